@@ -32,7 +32,7 @@ from bluekoi.fitting import Fit, Free, Series, fit, fit_paths
 from bluekoi.integrate import compiled
 from bluekoi.model import COEFFICIENTS, FLAP_HZ, TABLE_1, constants, plates, simulate
 from bluekoi.tuning import downsampled
-from bluekoi.tuning.joint import START_NOISE
+from bluekoi.tuning.joint_fit import START_NOISE
 from paper_robot import PAPER_SETUP
 
 TRUTH = dict(TABLE_1[75])

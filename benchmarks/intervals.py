@@ -28,8 +28,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from bluekoi.fitting import Normal, TrialRandomEffect, cluster_covariance, cov_jackknife
 from bluekoi.integrate import LANES, compiled
 from bluekoi.model import plates
-from bluekoi.tuning import downsampled, tune
-from bluekoi.tuning.joint import servo_random_effect
+from bluekoi.tuning import downsampled, fit_all_trials
+from bluekoi.tuning.joint_fit import servo_random_effect
 from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
 
 NAMES = tuple(COEFFICIENTS)
@@ -46,7 +46,7 @@ def fit_batch(job: tuple[int, int, int]) -> list[tuple[np.ndarray, ...]]:
     out = []
     for series in simulate_campaigns(trial_plans(), ErrorModel(), rng, count=count):
         few = downsampled(series)
-        tuned = tune(few)
+        tuned = fit_all_trials(few)
         fit = tuned.fit
         own = servo_random_effect(compiled(plates()), few, fit, tuned.base, noise=tuned.noise)
         out.append((fit.values, fit.normal.hessian, fit.normal.gradient,

@@ -15,7 +15,7 @@ from bluekoi.mismatch.camera_displacement import detect_displacements
 from bluekoi.model import plates
 from bluekoi.tuning.draws import sample_parameters
 from bluekoi.tuning.identify import profiles, spectrum
-from bluekoi.tuning.joint import Tuned, coefficient_table, downsampled, tune
+from bluekoi.tuning.joint_fit import FittedModel, coefficient_table, downsampled, fit_all_trials
 from simulated_campaigns import ErrorModel, simulate_campaigns
 from simulated_campaigns import trial_plans as plans_of
 
@@ -45,10 +45,10 @@ def with_changes(
                    inputs=one.inputs[cut], noise=one.noise[cut])  # fmt: skip
 
 
-def tuning_json(series: list[Series]) -> Tuned:
+def tuning_json(series: list[Series]) -> FittedModel:
     """Everything that the stage `tuning` makes of a joint fit."""
     few = downsampled(series)
-    found = tune(few)
+    found = fit_all_trials(few)
     cells = coefficient_table(found)
     assert all(np.isfinite(cell["value"]) for cell in cells.values())
     assert all(cell["why"] for cell in cells.values() if not cell["determined"])
@@ -94,7 +94,7 @@ def test_a_model_that_runs_away_at_its_usual_numbers_is_begun_at_smaller_ones(
 
 def test_trials_that_no_coefficients_describe_are_refused(simulated_trials):
     with pytest.raises(FloatingPointError, match="runs away from these trials"):
-        tune(downsampled([with_changes(one, scale=1000.0) for one in simulated_trials]))
+        fit_all_trials(downsampled([with_changes(one, scale=1000.0) for one in simulated_trials]))
 
 
 def test_trials_too_short_for_a_displaced_camera_have_none(simulated_trials):
@@ -102,7 +102,7 @@ def test_trials_too_short_for_a_displaced_camera_have_none(simulated_trials):
         compiled(plates()),
         downsampled([with_changes(one, frames=16) for one in simulated_trials]),
     )
-    found = tune(few)
+    found = fit_all_trials(few)
     values = found.trial_values(kernel, few)
     assert max(len(one.times) for one in few) < 8
     assert detect_displacements(kernel, few, values, found.noise) == []

@@ -7,7 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from bluekoi.camera import Lens, PoolCamera, camera_from_corners, map_to_pool, pool_to_pixels
-from bluekoi.camera.calibration_uncertainty import calibration_covariance, calibration_error_modes
+from bluekoi.camera.calibration_uncertainty import (
+    calibration_covariance_at_pixels,
+    calibration_error_modes,
+)
 from bluekoi.camera.geometry_hypotheses import fit_hypothesis
 from bluekoi.camera.resection import first_order_pose, pool_rectangle, pose_from_marks
 from bluekoi.camera.rigid_distances import CameraGeometry
@@ -264,7 +267,9 @@ def test_calibration_modes_are_what_misclicked_corners_do():
         again = camera_from_corners(LENS, clicked, TRUTH.corners_m, 1.333)
         places.append(map_to_pool(again, spot, DEPTH_M))
     found = np.std(places, axis=0)
-    stated = np.sqrt(np.diagonal(calibration_covariance(camera, spot, DEPTH_M), axis1=1, axis2=2))
+    stated = np.sqrt(
+        np.diagonal(calibration_covariance_at_pixels(camera, spot, DEPTH_M), axis1=1, axis2=2)
+    )
     assert np.allclose(found, stated, rtol=0.25)
 
 

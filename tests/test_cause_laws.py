@@ -18,7 +18,7 @@ from bluekoi.mismatch.laws import (
 )
 from bluekoi.model import COEFFICIENTS, plates
 from bluekoi.study import Trial
-from bluekoi.tuning.joint import downsampled, tune
+from bluekoi.tuning.joint_fit import downsampled, fit_all_trials
 from simulated_campaigns import ErrorModel, simulate_campaigns
 from simulated_campaigns import trial_plans as plans_of
 
@@ -33,7 +33,7 @@ def damped_model():
         simulate_campaigns(wanted, ErrorModel(), np.random.default_rng(3), count=1)[0]
     )
     free = (*(Free(p.name) for p in COEFFICIENTS), Free("linear_yaw_damping.N_r"))
-    found = tune(series, free)
+    found = fit_all_trials(series, free)
     values, cov = found.fit.values.copy(), np.zeros((7, 7))
     values[-1], cov[-1, -1] = N_R, 0.001**2
     found = replace(found, fit=replace(found.fit, values=values), cov=cov, df=None)

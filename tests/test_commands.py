@@ -120,8 +120,8 @@ def test_report_shows_verdict_causes_and_page(tmp_path, monkeypatch):
     assert "no results; expected the results of a run" in bluekoi("report", "lab").output
     results = tmp_path / "results/lab"
     results.mkdir(parents=True)
-    cause = {"name": "clock_error", "weight": 0.9,
-             "parameters": {"rate_error": {"value": 3.0, "std": 0.012, "unit": "1"}}}  # fmt: skip
+    rate = {"value": 3.0, "std": 0.012, "unit": "1", "meaning": "how much faster true time runs"}
+    cause = {"name": "clock_error", "weight": 0.9, "parameters": {"rate_error": rate}}
     found = {"sentence": "The clock is wrong.", "causes": [cause], "warnings": ["Look here."]}
     (results / "mismatch.json").write_text(json.dumps(found))
     assert bluekoi("report", "lab").exit_code == 1
@@ -132,7 +132,8 @@ def test_report_shows_verdict_causes_and_page(tmp_path, monkeypatch):
     done = bluekoi("report", "lab", "--open")
     assert done.exit_code == 0
     assert "Verdict: The clock is wrong." in done.output
-    assert "clock_error (probability 0.90): rate_error = 3 +- 0.012" in done.output
+    assert "clock_error (probability 0.90)" in done.output
+    assert "rate_error = 3 +- 0.012  (how much faster true time runs)" in done.output
     assert "Warning: Look here." in done.output
     (results / "outcome.json").write_text(json.dumps({"warnings": ["T04: another's log?"]}))
     assert "Warning: T04: another's log?" in bluekoi("report", "lab").output

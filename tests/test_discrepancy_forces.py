@@ -11,7 +11,7 @@ from bluekoi.engine.set_columns import DISCREPANCY_SHARE, layout_of_set
 from bluekoi.integrate import compiled
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.model import plates
-from bluekoi.tuning import downsampled, tune
+from bluekoi.tuning import downsampled, fit_all_trials
 from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
 
 SURGE, SWAY, YAW = range(3)
@@ -23,7 +23,7 @@ def friction_fit() -> tuple[Problem, FittedSet]:
     series = simulate_campaigns(
         trial_plans(powers=(75,)), ErrorModel(), np.random.default_rng(5), count=1
     )[0]
-    baseline = tune(downsampled(series))
+    baseline = fit_all_trials(downsampled(series))
     problem = robot_problem(compiled(plates()), downsampled(series, 5.0), baseline, displaced=(),
                             progress=lambda _: None)  # fmt: skip
     known = {**baseline.fit.by_label(), "coulomb_friction.F_c": 0.01}

@@ -352,7 +352,7 @@ def test_a_core_is_not_wound_by_the_first_step(step: float) -> None:
     effect = plates().effect("servo_lag")
     n = next(p.lower for p in effect.parameters if p.symbol == "n")
     t = np.arange(0.0, 6.0, 0.5 * step)
-    rate = np.array([effect.hooks["swing"](one, 0.5, 1.0, 0.2, n, 0.5, 1.0)[0] for one in t])
+    rate = np.array([effect.hooks["swing"](one, 0.5, 1.0, 0.2, n, 0.5, 1.0, 0.0)[0] for one in t])
     turned = step / 6 * (rate[:-2:2] + 4 * rate[1:-1:2] + rate[2::2]).sum()
     assert turned == pytest.approx(0.5, abs=0.01)
 
@@ -362,11 +362,58 @@ def test_a_core_that_takes_the_turning_goes_with_the_head_angle() -> None:
     servo, t = plates().effect("servo_lag").hooks, np.linspace(0.0, 4.0, 40001)
     for n, q in ((1.0, 0.0), (2.2, 0.6)):
         given = (0.8, 0.3, n, q)
-        missing = servo["drive"](0.0, 0.5, *given)[0]
+        missing = servo["drive"](0.0, 0.5, *given, 0.2)[0]
         assert missing == pytest.approx(-0.8 * 0.5, rel=1e-3)
-        rate = np.array([servo["swing"](one, 0.5, *given, 0.7)[0] for one in t])
+        rate = np.array([servo["swing"](one, 0.5, *given, 0.7, 0.2)[0] for one in t])
         assert np.trapezoid(rate, t) == pytest.approx(-0.7 * missing, rel=2e-3)
-        assert servo["swing"](0.1, 0.5, *given, 0.0) == (0.0,)
+        assert servo["swing"](0.1, 0.5, *given, 0.0, 0.0) == (0.0,)
+
+
+def test_a_servo_does_not_move_in_its_dead_time() -> None:
+    drive = plates().effect("servo_lag").hooks["drive"]
+    given = {"k": 1.0, "tau": 0.3, "n": 1.0, "q": 0.0}
+    assert drive(0.15, 0.5, **given, t_d=0.2)[0] == pytest.approx(-0.5, rel=1e-6)
+    assert drive(0.5, 0.5, **given, t_d=0.2) == pytest.approx(drive(0.3, 0.5, **given, t_d=0.0))
+
+
+def wave_drag_newton(speed_m_s: float, **form: float) -> float:
+    """Wave drag of k = 1 N (s/m)^4 in straight swimming."""
+    none = {"w": 0.0, "h": 0.0, "g": 0.0, "V_c": 0.35, "o": 0.0, "V_0": 0.23}
+    force = plates().effect("wave_drag").hooks["force"]
+    return -force(0.1, speed_m_s, 0.0, speed_m_s, 1.0, **none | form)[0]
+
+
+def test_forms_of_wave_drag_are_alike_at_their_reference_speed() -> None:
+    """All are 0.4^4 N at 0.4 m/s for k = 1, the hump where its peak is there."""
+    forms = ({}, {"w": 1.0}, {"o": 1.0}, {"g": 1.0, "V_c": 0.4})
+    assert [wave_drag_newton(0.4, **form) for form in forms] == pytest.approx([0.4**4] * 4)
+
+
+def test_no_waves_below_the_least_speed_of_waves() -> None:
+    """Raphael and de Gennes (1996): none below 0.23 m/s; then as the square of the excess."""
+    assert wave_drag_newton(0.229, o=1.0) == 0.0
+    twice = wave_drag_newton(0.43, o=1.0) / wave_drag_newton(0.33, o=1.0)
+    assert twice == pytest.approx(4.0)
+
+
+def test_a_centre_of_mass_moves_with_the_turned_head() -> None:
+    """With w = 1 it is shifted by d at 45 degrees, to both sides, and not with a straight head."""
+    observe = plates().effect("centre_of_mass_shift").hooks["observe"]
+    for side in (1.0, -1.0):
+        turned = observe(1.0, 0.0, side * np.sin(np.pi / 4), 0.01, 0.0, 1.0)
+        assert turned == pytest.approx((-0.01, 0.0, 0.0, 0.0))
+    assert observe(1.0, 0.0, 0.0, 0.01, 0.0, 1.0) == (0.0, 0.0, 0.0, 0.0)
+    force = plates().effect("centre_of_mass_shift").hooks["force"]
+    assert force(0.2, 0.0, 0.3, 1.0, 0.0, 0.01, 0.0, 0.0)[2] == pytest.approx(-0.003)
+
+
+def test_a_label_that_follows_the_turned_head_errs_to_the_side_of_the_head() -> None:
+    observe = plates().effect("keypoint_bias").hooks["observe"]
+    given = {"bx": 0.0, "by": 0.004, "bpsi": 0.02, "bphi": 0.03, "w": 1.0}
+    left = observe(1.0, 0.0, np.sin(np.pi / 4), **given)
+    right = observe(1.0, 0.0, -np.sin(np.pi / 4), **given)
+    assert left == pytest.approx((0.0, 0.004, 0.02, 0.03))
+    assert np.add(left, right) == pytest.approx(0.0)
 
 
 def test_added_mass_without_its_munk_moment() -> None:

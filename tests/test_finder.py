@@ -52,7 +52,7 @@ from bluekoi.stages.mismatch import (
 )
 from bluekoi.study import Study
 from bluekoi.study.data_split import held_out_trials
-from bluekoi.tuning import downsampled, trial_series, tune
+from bluekoi.tuning import downsampled, fit_all_trials, trial_series
 from bluekoi.tuning.identify import profiles
 from measured_studies import MeasuredStudy, measure_design
 from small_studies import published_model_design
@@ -180,7 +180,7 @@ def test_displacements_are_found_where_and_when_they_are(
 ) -> None:
     kernel, few = compiled(plates()), downsampled(published_model_study.series)
     few[2] = _displaced_pose(few[2], np.array([-0.005, 0.006]))
-    tuned = tune(few)
+    tuned = fit_all_trials(few)
     found = detect_displacements(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
     assert [d.trial for d in found] == [few[2].name]
     assert found[0].time_s == pytest.approx(few[2].times[len(few[2].times) // 2], abs=0.11)
@@ -202,13 +202,13 @@ def test_keypoints_that_drift_in_one_trial_are_reported(
 ) -> None:
     """By 8 cm, as 40 px would: the verdict alone is clean, or names a wrong cause."""
     kernel, few = compiled(plates()), downsampled(published_model_study.series)
-    tuned = tune(few)
+    tuned = fit_all_trials(few)
     assert drifting_trial(kernel, few, tuned.trial_values(kernel, few), tuned.noise) is None
     since = few[3].times - few[3].times[0]
     seen = few[3].seen.copy()
     seen[:, :2] += np.outer(since / since[-1], [0.05, -0.06])
     few[3] = replace(few[3], seen=seen)
-    tuned = tune(few)
+    tuned = fit_all_trials(few)
     drift = drifting_trial(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
     assert drift is not None
     assert drift.trial == few[3].name

@@ -204,7 +204,7 @@ def test_files_of_excluded_trials_are_named_from_the_study_folder(tmp_path):
 def test_the_page_contains_every_result(tmp_path, campaign_with_causes):
     text = write_page(campaign_with_causes, tmp_path)
     assert "linear yaw damping" in text
-    assert "N_r = 0.0200 ± 0.0020 N m s (95 % intervals)" in text
+    assert "<li>N_r = 0.0200 ± 0.0020 N m s</li>" in text
     assert "0.552 m/s" in text
     assert "31.0 → 3.1 mm" in text
     assert "no: hardly any turn &lt;b&gt;" in text

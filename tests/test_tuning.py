@@ -11,12 +11,12 @@ from bluekoi.model import TABLE_1
 from bluekoi.smoothing import smooth
 from bluekoi.tuning import (
     coefficients,
+    fit_all_trials,
     simulations,
     table_1,
     table_2,
     three_steps,
     trial_series,
-    tune,
 )
 from measured_studies import MeasuredStudy, measure_design
 from small_studies import published_model_design
@@ -127,7 +127,7 @@ def test_simulated_paths_lie_on_the_measured_turns(published_model_study: Measur
         for s in published_model_study.series
         if published_model_study.study.trial(s.name).head_angle_deg != 0
     ]
-    joint = tune(turns)
+    joint = fit_all_trials(turns)
     steps, _, _ = three_steps(
         published_model_study.study, published_model_study.series, published_model_study.steady
     )

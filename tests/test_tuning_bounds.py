@@ -18,11 +18,11 @@ from bluekoi.tuning import (
     coefficient_cell,
     coefficient_table,
     downsampled,
+    fit_all_trials,
     table_1,
     three_steps,
-    tune,
 )
-from bluekoi.tuning.joint import START_NOISE, Tuned
+from bluekoi.tuning.joint_fit import START_NOISE, FittedModel
 from bluekoi.tuning.results import straight_swimming
 from paper_robot import PAPER_SETUP
 from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
@@ -33,7 +33,7 @@ TRUTH = np.array([COEFFICIENTS[n] for n in NAMES])
 
 def tuned_at(
     values: np.ndarray, *, pull: float = 0.0, widths: float = 0.02, trials: int = 12
-) -> Tuned:
+) -> FittedModel:
     """A fit that ended at these values; the trials pull C_Da by `pull` of its deviations beyond."""
     rng = np.random.default_rng(5)
     kernel = compiled(plates())
@@ -48,10 +48,10 @@ def tuned_at(
     normal = Normal(H, g + H @ push, np.zeros(trials))
     found = Fit(tuple(Free(n) for n in NAMES), values, normal, "", 1)
     spread = cluster_covariance(normal, off_bounds(kernel, found))
-    return Tuned(found, START_NOISE, spread.cov, plates().values({}), spread.df)
+    return FittedModel(found, START_NOISE, spread.cov, plates().values({}), spread.df)
 
 
-def at_lower_bound(pull: float, **more: float) -> Tuned:
+def at_lower_bound(pull: float, **more: float) -> FittedModel:
     values = TRUTH.copy()
     values[2] = {p.name: p for p in plates().parameters}["C_Da"].lower
     return tuned_at(values, pull=pull, **more)
@@ -114,7 +114,7 @@ def test_a_number_that_hangs_on_one_trial_alone_is_not_judged() -> None:
     H[1:, 2], H[1:, :, 2], g[:, 2] = 0.0, 0.0, 0.0
     spread = cluster_covariance(Normal(H, g, np.zeros(12)))
     changed = replace(fit.fit, normal=Normal(H, g, np.zeros(12)))
-    row = coefficient_table(Tuned(changed, fit.noise, spread.cov, fit.base, spread.df))
+    row = coefficient_table(FittedModel(changed, fit.noise, spread.cov, fit.base, spread.df))
     assert row["C_Da"]["std"] is None
     assert row["C_Da"]["interval_95"] == [None, None]
     assert "only one trial determines it" in row["C_Da"]["why"]
@@ -146,7 +146,7 @@ def test_one_trial_determines_nothing_in_the_joint_fit_and_in_the_three_steps(
 ) -> None:
     study, series = fit_with_one_turn
     steps, _, _ = three_steps(study, series, {})
-    joint = coefficient_table(tune(series))
+    joint = coefficient_table(fit_all_trials(series))
     for cells in (joint, steps["75"]["coefficients"]):
         for name, row in cells.items():
             assert not row["determined"], name
@@ -159,7 +159,7 @@ def test_one_trial_determines_nothing_in_the_joint_fit_and_in_the_three_steps(
 
 def test_one_turn_says_nothing_of_straight_swimming(fit_with_one_turn) -> None:
     study, series = fit_with_one_turn
-    joint = tune(series)
+    joint = fit_all_trials(series)
     steps = {"75": {"flap_hz": 3.4}}
     row = straight_swimming(study, steps, joint, np.tile(TRUTH, (3, 1)), series=series)
     assert row["stable"] is None

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from bluekoi.fitting import Series, cluster_covariance, off_bounds
-from bluekoi.fitting.joint import AT_BOUND
+from bluekoi.fitting.joint_fit import AT_BOUND
 from bluekoi.integrate import compiled
 from bluekoi.model import plates
-from bluekoi.tuning import Tuned, coefficient_table, downsampled, tune
+from bluekoi.tuning import FittedModel, coefficient_table, downsampled, fit_all_trials
 from bluekoi.tuning.identify import parameter_scales, profiles, spectrum
 from bluekoi.tuning.new_trial import c_optimal_trial, plausible_values
 from bluekoi.tuning.turning_trials import fit_outcome, undetermined_without_turns
@@ -43,7 +43,7 @@ def straight_runs_fit() -> list[Series]:
 
 
 def test_spectrum_covers_all_directions_the_least_determined_first(simulated_campaign) -> None:
-    found = spectrum(tune(simulated_campaign))
+    found = spectrum(fit_all_trials(simulated_campaign))
     assert len(found) == 6
     stds = [c.std for c in found]
     assert stds == sorted(stds, reverse=True)
@@ -53,7 +53,7 @@ def test_spectrum_covers_all_directions_the_least_determined_first(simulated_cam
 
 
 def test_straight_runs_leave_the_turning_coefficients_open_and_say_so(straight_runs_fit) -> None:
-    joint = tune(straight_runs_fit)
+    joint = fit_all_trials(straight_runs_fit)
     combinations = undetermined_combinations(straight_runs_fit, joint, PAPER_SETUP)
     assert combinations
     named = " ".join(t["combination"] for t in combinations)
@@ -63,7 +63,7 @@ def test_straight_runs_leave_the_turning_coefficients_open_and_say_so(straight_r
 
 
 def test_the_trial_that_is_named_does_help(straight_runs_fit) -> None:
-    joint = tune(straight_runs_fit)
+    joint = fit_all_trials(straight_runs_fit)
     worst = spectrum(joint)[0]
     trial = c_optimal_trial(straight_runs_fit, joint, PAPER_SETUP, worst)
     assert trial.head_angle_deg > 0
@@ -74,13 +74,13 @@ BOUNDS = {"C_Da": 40.0, "C_La": 4.2, "C_Ma": -1.0, "C_Md": 5.0}
 
 
 @pytest.fixture(scope="module")
-def fit_at_bounds(straight_runs_fit) -> Tuned:
+def fit_at_bounds(straight_runs_fit) -> FittedModel:
     """The straight runs' fit as it comes out where three numbers run to their bounds."""
-    kernel, found = compiled(plates()), tune(straight_runs_fit)
+    kernel, found = compiled(plates()), fit_all_trials(straight_runs_fit)
     values = np.array([BOUNDS.get(n, v) for n, v in found.fit.by_label().items()])
     fit = replace(found.fit, values=values, outcome=AT_BOUND)
     spread = cluster_covariance(fit.normal, off_bounds(kernel, fit))
-    return Tuned(fit, found.noise, spread.cov, found.base, spread.df, spread.influence)
+    return FittedModel(fit, found.noise, spread.cov, found.base, spread.df, spread.influence)
 
 
 def test_a_trial_is_named_even_where_numbers_stand_at_bounds(
@@ -105,7 +105,7 @@ def test_trials_are_imagined_at_plausible_values(
     starts = {p.name: p.start for p in plates().parameters}
     assert all(values[name] == starts[name] for name in BOUNDS)
     assert values["C_T"] == fit_at_bounds.fit.values[NAMES.index("C_T")]
-    joint = tune(simulated_campaign)
+    joint = fit_all_trials(simulated_campaign)
     assert plausible_values(simulated_campaign, joint) == pytest.approx(joint.fit.values)
 
 
@@ -128,7 +128,7 @@ def test_numbers_at_a_bound_are_never_determined_combinations(fit_at_bounds) -> 
 
 
 def test_spectrum_has_the_widths_of_the_table(simulated_campaign) -> None:
-    joint = tune(simulated_campaign)
+    joint = fit_all_trials(simulated_campaign)
     size = parameter_scales(joint)
     for one in spectrum(joint):
         half = joint.covariance.half_width(one.direction / size)
@@ -139,7 +139,7 @@ def test_spectrum_has_the_widths_of_the_table(simulated_campaign) -> None:
 
 def test_one_trial_determines_no_combination(simulated_campaign) -> None:
     turn = [next(s for s in simulated_campaign if abs(s.inputs[0, 0]) > 0.5)]
-    joint = tune(turn)
+    joint = fit_all_trials(turn)
     assert not any(one.determined for one in spectrum(joint))
     combinations = undetermined_combinations(turn, joint, PAPER_SETUP)
     assert len(combinations) == 6
@@ -150,7 +150,7 @@ def test_what_only_one_trial_determines_is_to_be_repeated(simulated_campaign) ->
     """Two straight runs and one turn: the turn again."""
     few = [*[s for s in simulated_campaign if s.inputs[0, 0] == 0.0][:2],
            next(s for s in simulated_campaign if abs(s.inputs[0, 0]) > 0.5)]  # fmt: skip
-    combinations = undetermined_combinations(few, tune(few), PAPER_SETUP)
+    combinations = undetermined_combinations(few, fit_all_trials(few), PAPER_SETUP)
     advice = [one["trial"] for one in combinations]
     assert any(a.startswith(f"a repeat of {few[2].name}") for a in advice), advice
 
@@ -158,7 +158,7 @@ def test_what_only_one_trial_determines_is_to_be_repeated(simulated_campaign) ->
 def test_profile_has_its_top_at_the_fit_and_agrees_with_the_fisher_matrix(
     simulated_campaign,
 ) -> None:
-    joint = tune(simulated_campaign)
+    joint = fit_all_trials(simulated_campaign)
     drawn = profiles(simulated_campaign, joint)
     for name in ("C_T", "C_La"):
         index = NAMES.index(name)
@@ -172,7 +172,7 @@ def test_profile_has_its_top_at_the_fit_and_agrees_with_the_fisher_matrix(
 
 
 def test_a_well_planned_campaign_determines_what_it_should(simulated_campaign) -> None:
-    joint = tune(simulated_campaign)
+    joint = fit_all_trials(simulated_campaign)
     truth = np.array([COEFFICIENTS[n] for n in NAMES])
     inside = (joint.interval_95[:, 0] <= truth) & (truth <= joint.interval_95[:, 1])
     assert inside.sum() >= 5

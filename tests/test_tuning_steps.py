@@ -20,9 +20,9 @@ from bluekoi.fitting import (
 )
 from bluekoi.integrate import compiled
 from bluekoi.model import plates
-from bluekoi.tuning import Tuned, downsampled, tune
+from bluekoi.tuning import FittedModel, downsampled, fit_all_trials
 from bluekoi.tuning.draws import response_to_bounded, sample_parameters
-from bluekoi.tuning.joint import START_NOISE
+from bluekoi.tuning.joint_fit import START_NOISE
 from bluekoi.tuning.paper_steps import _fit_second_step, draws
 from bluekoi.tuning.two_step_covariance import step_sensitivity, with_step_covariance
 from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
@@ -31,13 +31,15 @@ FRAMES = 20
 CONDITIONS = ((0.0, 0.12), (0.0, 0.12), (30.0, 0.12), (-30.0, 0.12), (45.0, 0.12))
 
 
-def fit_result(values: np.ndarray, names: list[str], normal: Normal, **more: object) -> Tuned:
+def fit_result(values: np.ndarray, names: list[str], normal: Normal, **more: object) -> FittedModel:
     spread = cluster_covariance(normal, **more)  # type: ignore[arg-type]
     fit = Fit(tuple(Free(n) for n in names), values, normal, "", 1)
-    return Tuned(fit, START_NOISE, spread.cov, plates().values({}), spread.df, spread.influence)
+    return FittedModel(
+        fit, START_NOISE, spread.cov, plates().values({}), spread.df, spread.influence
+    )
 
 
-def two_step_regression(rng: np.random.Generator) -> tuple[Tuned, Tuned, np.ndarray]:
+def two_step_regression(rng: np.random.Generator) -> tuple[FittedModel, FittedModel, np.ndarray]:
     """Lines whose first number comes from 4 trials of its own, two others from 6; truth is 0."""
     X1, X2 = rng.standard_normal((4, FRAMES, 1)), rng.standard_normal((6, FRAMES, 3))
     X2[:, :, 0] += 2.0 * X2[:, :, 1]
@@ -88,13 +90,13 @@ def test_what_cannot_be_judged_of_the_earlier_step_is_not_judged_of_the_later() 
 
 
 @pytest.fixture(scope="module")
-def three_step_fit() -> tuple[list[Series], Tuned, Tuned]:
+def three_step_fit() -> tuple[list[Series], FittedModel, FittedModel]:
     few = downsampled(
         simulate_campaigns(
             trial_plans((75,), CONDITIONS), ErrorModel(), np.random.default_rng(5), count=1
         )[0]
     )
-    first = tune(few[:2], [Free("C_T"), Free("C_D0")], min_share=1.0)
+    first = fit_all_trials(few[:2], [Free("C_T"), Free("C_D0")], min_share=1.0)
     return few[2:], first, _fit_second_step(few[2:], first)
 
 
@@ -106,7 +108,7 @@ def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(three_step
     def refitted(by: float) -> np.ndarray:
         changed = second.base.copy()
         changed[plates().slot["C_D0"]] += by
-        return tune(turns, second.fit.free, base=changed, noise=second.noise,
+        return fit_all_trials(turns, second.fit.free, base=changed, noise=second.noise,
                     start=second.fit.by_label()).fit.values  # fmt: skip
 
     # half the difference of two refits: how far one fit stops from its optimum cancels

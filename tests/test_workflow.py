@@ -521,7 +521,8 @@ def test_ctrl_c_while_snakemake_starts_and_plans_ends_it_in_words(
     # a shell shows 130 for both: Python ends by the signal itself where it arrives inside exec()
     interrupted = run.returncode in (130, -signal.SIGINT)
     assert run.returncode == 0 or interrupted, said
-    assert said.count("Interrupted.") == interrupted
+    ended_before = "Report: " in said  # the signal met a Python that was leaving
+    assert said.count("Interrupted.") == (interrupted and not ended_before)
     assert "Traceback" not in said
 
 

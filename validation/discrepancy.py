@@ -30,7 +30,7 @@ from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.model import plates
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
-from bluekoi.tuning import downsampled, tune
+from bluekoi.tuning import downsampled, fit_all_trials
 
 RIDGE = 1e-9
 
@@ -39,7 +39,7 @@ def relative_residuals(study: Path, results: Path) -> dict[str, list[float]]:
     """Cause -> kappa^2 of each of its forms, in the designs of a measured study's trials."""
     campaign = load_campaign(results, load_study(study), measured=True)
     series = downsampled(campaign_series(campaign, campaign_flapping(campaign)))
-    kernel, baseline = compiled(plates()), tune(series)
+    kernel, baseline = compiled(plates()), fit_all_trials(series)
     problem = robot_problem(kernel, series, baseline, displaced=(), progress=lambda _: None)
     model = fit_set(problem, (), problem.noise, baseline.fit.by_label())
     expansion = expand_about(problem, model)

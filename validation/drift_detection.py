@@ -15,7 +15,7 @@ from bluekoi.mismatch.drift import add_drift, drifting_trial
 from bluekoi.model import plates
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
-from bluekoi.tuning import downsampled, tune
+from bluekoi.tuning import downsampled, fit_all_trials
 
 DRIFT_SIZE_M = 0.085
 """Drift that is put in: 40 px of a usual picture."""
@@ -34,7 +34,7 @@ def drift_detections(study: Path, results: Path) -> tuple[bool, bool]:
 
 def _reported_trial(series: Sequence[Series]) -> str:
     """Name of the trial that is reported, or no text."""
-    kernel, model = compiled(plates()), tune(series)
+    kernel, model = compiled(plates()), fit_all_trials(series)
     found = drifting_trial(kernel, series, model.trial_values(kernel, series), model.noise)
     return found.trial if found else ""
 

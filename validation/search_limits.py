@@ -24,7 +24,7 @@ from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.model import plates
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
-from bluekoi.tuning import downsampled, tune
+from bluekoi.tuning import downsampled, fit_all_trials
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def limit_effects(study: Path, results: Path) -> LimitEffects:
     """`LimitEffects` of a measured study, all of whose trials are fitted."""
     campaign = load_campaign(results, load_study(study), measured=True)
     series = campaign_series(campaign, campaign_flapping(campaign))
-    kernel, baseline = compiled(plates()), tune(downsampled(series))
+    kernel, baseline = compiled(plates()), fit_all_trials(downsampled(series))
     problem = robot_problem(kernel, downsampled(series, SEARCH_RATE_HZ), baseline, displaced=(),
                             progress=lambda _: None)  # fmt: skip
     start = baseline.fit.by_label()

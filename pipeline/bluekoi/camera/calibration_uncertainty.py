@@ -26,7 +26,9 @@ def calibration_error_modes(camera: PoolCamera, uv_px: Float, depth_m: float | F
     return np.stack(modes, axis=2)
 
 
-def calibration_covariance(camera: PoolCamera, uv_px: Float, depth_m: float | Float) -> Float:
+def calibration_covariance_at_pixels(
+    camera: PoolCamera, uv_px: Float, depth_m: float | Float
+) -> Float:
     """Covariance (n, 2, 2), m2, of each place from the calibration alone."""
     modes = calibration_error_modes(camera, uv_px, depth_m)
     return np.asarray(modes @ np.swapaxes(modes, 1, 2))
@@ -35,7 +37,7 @@ def calibration_covariance(camera: PoolCamera, uv_px: Float, depth_m: float | Fl
 def calibration_covariance_at_places(camera: PoolCamera, xy_m: Float, depth_m: float) -> Float:
     """Covariance (n, 2, 2), m2, of places (n, 2) at a depth from the calibration alone."""
     below = np.column_stack([xy_m, np.full(len(xy_m), -depth_m)])
-    return calibration_covariance(camera, pool_to_pixels(camera, below), depth_m)
+    return calibration_covariance_at_pixels(camera, pool_to_pixels(camera, below), depth_m)
 
 
 def _perturbed_cameras(camera: PoolCamera) -> Iterator[PoolCamera]:

@@ -246,7 +246,7 @@ def _change_refractive_index(geometry: CameraGeometry, step: float) -> CameraGeo
     return replace(geometry, camera=replace(camera, refractive_index=index))
 
 
-def _tilt_about_axis(axis: int) -> Callable[[CameraGeometry, float], CameraGeometry]:
+def _with_camera_tilted(axis: int) -> Callable[[CameraGeometry, float], CameraGeometry]:
     """The camera turned about its own x or y axis after the corners were taken."""
 
     def turned(geometry: CameraGeometry, step: float) -> CameraGeometry:
@@ -266,8 +266,8 @@ ERROR_PARAMETERS: dict[str, tuple[Callable[[CameraGeometry, float], CameraGeomet
     "scale": (_change_scale, 1e-3),
     "focal": (_change_focal_length, 1e-3),
     "k1": (_change_distortion_k1, 1e-3),
-    "tilt_x_rad": (_tilt_about_axis(0), 1e-3),
-    "tilt_y_rad": (_tilt_about_axis(1), 1e-3),
+    "tilt_x_rad": (_with_camera_tilted(0), 1e-3),
+    "tilt_y_rad": (_with_camera_tilted(1), 1e-3),
     "depth_m": (_change_keypoint_depth, 1e-3),
     "refractive_index": (_change_refractive_index, 1e-3),
 }

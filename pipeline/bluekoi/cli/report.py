@@ -60,12 +60,13 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
 
 
 def summary_lines(mismatch: Mapping[str, Any]) -> Iterator[str]:
-    """Lines on the verdict: its sentence, each cause with its numbers, warnings."""
+    """Lines on the verdict: its sentence, each cause, a line for each of its numbers, warnings."""
     yield f"Verdict: {mismatch.get('sentence', '')}"
     for cause in mismatch.get("causes") or []:
-        numbers = ", ".join(f"{name} = {_parameter_text(cell)}"
-                            for name, cell in cause.get("parameters", {}).items())  # fmt: skip
-        yield f"  {cause['name']} (probability {cause['weight']:.2f}): {numbers}"
+        yield f"  {cause['name']} (probability {cause['weight']:.2f})"
+        for name, cell in cause.get("parameters", {}).items():
+            meaning = f"  ({cell['meaning']})" if cell.get("meaning") else ""
+            yield f"    {name} = {_parameter_text(cell)}{meaning}"
     for text in mismatch.get("warnings") or []:
         yield f"Warning: {text}"
 

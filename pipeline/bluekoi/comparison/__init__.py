@@ -4,7 +4,7 @@ differences    what differs, from the files of two results folders
 figure         figure of the numbers that differ
 """
 
-from .differences import Difference, Run, compare, read_run
 from .figure import comparison_figure
+from .run_differences import Difference, Run, compare, read_run
 
 __all__ = ["Difference", "Run", "compare", "comparison_figure", "read_run"]

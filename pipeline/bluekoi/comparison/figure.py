@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..figures.drawing.style import COLOURS, RC_PARAMS, placeholder
-from .differences import MIN_PROBABILITY, Run
+from .run_differences import MIN_PROBABILITY, Run
 
 FIRST_COLOUR, SECOND_COLOUR = COLOURS[0], COLOURS[2]
 BAR_OFFSET = 0.15

@@ -2,14 +2,16 @@
 
 If the centre of mass is displaced, forces act at other distances from it and cause the yaw moment
 
-    N = -d (Y_h cos phi - X_h sin phi) + s X,   X = T + X_h cos phi + Y_h sin phi
+    N = -e (Y_h cos phi - X_h sin phi) + s X,   X = T + X_h cos phi + Y_h sin phi
+    e = d ((1 - w) + w |sin phi| / sin 45 deg)
 
 X_h and Y_h are the forces on the head along and across the head, phi is the head angle, and T the
-thrust. d is the shift of the centre of mass towards the head. It shortens the arm of the side
-forces of the head by d. s is the shift to the left. Forces along the core then act at the distance
-s from the centre of mass and turn the robot.
+thrust. e is the shift of the centre of mass towards the head. It shortens the arm of the side
+forces of the head by e. With w = 0, the shift is d at every head angle. The part w grows with the
+head angle, because a turned head moves its mass. s is the shift to the left. Forces along the core
+then act at the distance s from the centre of mass and turn the robot.
 
-The keypoint core_center lies at (-d, -s) from the true centre of mass.
+The keypoint core_center lies at (-e, -s) from the true centre of mass.
 
 Source: rigid-body statics.
 """
@@ -31,17 +33,27 @@ STRENGTHS = 2
 PARAMETERS = (
     Parameter("forward_shift", "m", 0.005, -0.08, 0.08, "shift towards the head", symbol="d"),
     Parameter("left_shift", "m", 0.003, -0.04, 0.04, "shift to the left of the core", symbol="s"),
+    Parameter("head_angle_share", "1", 0.0, 0.0, 1.0, "part that grows with the head angle",
+              spread=0.5, symbol="w"),
 )  # fmt: skip
 
 
 def force(
-    T: float, Xh: float, Yh: float, cphi: float, sphi: float, d: float, s: float
+    T: float, Xh: float, Yh: float, cphi: float, sphi: float, d: float, s: float, w: float
 ) -> tuple[float, float, float]:
     """Yaw moment alone (N m)."""
     along, across = T + Xh * cphi + Yh * sphi, Yh * cphi - Xh * sphi
-    return 0.0, 0.0, s * along - d * across
+    return 0.0, 0.0, s * along - forward(sphi, d, w) * across
 
 
-def observe(cpsi: float, spsi: float, d: float, s: float) -> tuple[float, float, float, float]:
-    """The keypoint lies behind the centre of mass by d and to its right by s (m)."""
-    return s * spsi - d * cpsi, -s * cpsi - d * spsi, 0.0, 0.0
+def forward(sphi: float, d: float, w: float) -> float:
+    """Shift towards the head, m."""
+    return d * (1.0 - w + w * 1.4142135623730951 * abs(sphi))
+
+
+def observe(
+    cpsi: float, spsi: float, sphi: float, d: float, s: float, w: float
+) -> tuple[float, float, float, float]:
+    """The keypoint lies behind the centre of mass by `forward` and to its right by s (m)."""
+    e = forward(sphi, d, w)
+    return s * spsi - e * cpsi, -s * cpsi - e * spsi, 0.0, 0.0

@@ -29,9 +29,9 @@ CONFUSED_WITH = ("trim_moment", "port_starboard_asymmetry", "keypoint_bias")
 PARAMETERS = (
     Parameter("offset", "rad", 0.02, -0.4, 0.4, "counter-clockwise positive", symbol="d"),
     Parameter("gain_share", "1", 0.0, 0.0, 1.0, "part in proportion to the angle",
-              spread=0.5, tries=(1.0, 0.0), symbol="g"),
+              spread=0.5, symbol="g"),
     Parameter("backlash_share", "1", 0.0, 0.0, 1.0, "part that has the sign of the angle",
-              spread=0.5, tries=(0.0, 1.0), symbol="b"),
+              spread=0.5, symbol="b"),
 )  # fmt: skip
 
 

@@ -32,11 +32,11 @@ CONFUSED_WITH = ("servo_lag", "added_mass", "motor_spin_up")
 PARAMETERS = (
     Parameter("lagging_share", "1", 0.5, 0.0, 1.2, "share of the lift that lags", symbol="k"),
     Parameter("build_up_lengths", "1", 4.0, 0.1, 20.0, "head lengths travelled as lift builds up",
-              tries=(1.3, 10.0, 1.3), symbol="s"),
+              symbol="s"),
     Parameter("second_order_share", "1", 0.0, 0.0, 1.0, "part that lags twice",
               spread=0.4, symbol="w"),
     Parameter("speed_exponent", "1", 0.0, 0.0, 2.0, "power of the speed that acts without lag",
-              spread=0.7, tries=(0.0, 0.0, 2.0), symbol="e"),
+              spread=0.7, symbol="e"),
     Parameter("moment_share", "1", 0.0, 0.0, 1.2, "part of the moment that lags as the lift does",
               spread=0.5, symbol="m"),
 )  # fmt: skip

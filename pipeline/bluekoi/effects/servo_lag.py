@@ -2,11 +2,12 @@
 
 At the time t since the start of the trial, the head angle is
 
-    phi(t) = phi (1 - k exp(-(t / T)^n)),  T = tau (1 - q + q |phi| / 45 deg)
+    phi(t) = phi (1 - k exp(-((t - t_d) / T)^n)),  T = tau (1 - q + q |phi| / 45 deg)
 
 phi on the right-hand side is the commanded angle, and k the share of it that is missing at the
-start. n = 1 and q = 0 is a first-order lag with the time constant tau. A servo with a limited rate
-has a larger n, and q = 1: the time is then proportional to the angle.
+start, until the servo begins to move after the dead time t_d. n = 1 and q = 0 is a first-order lag
+with the time constant tau. A servo with a limited rate has a larger n, and q = 1: the time is then
+proportional to the angle.
 
 While the servo moves, the core turns by the share c of the change of the head angle, psi' = r + c
 phi', and the head by the rest. psi is the heading of the core and r the yaw rate. With c = 1 the
@@ -38,23 +39,26 @@ PARAMETERS = (
     Parameter("angle_dependence", "1", 0.5, 0.0, 1.0,
               "0: same time for all angles, 1: proportional to them", symbol="q"),
     Parameter("core_share", "1", 0.0, 0.0, 1.2, "part of the rotation that the core makes",
-              spread=0.5, tries=(0.0, 0.0, 1.0), symbol="c"),
+              spread=0.5, symbol="c"),
+    Parameter("dead_time", "s", 0.0, 0.0, 0.6, "time in which the angle does not change",
+              spread=0.15, symbol="t_d"),
 )  # fmt: skip
 
 
 def drive(
-    t: float, head_angle: float, k: float, tau: float, n: float, q: float
+    t: float, head_angle: float, k: float, tau: float, n: float, q: float, t_d: float
 ) -> tuple[float, float]:
     """Change of head angle (rad) and flapping frequency (Hz)."""
     T = tau * (1.0 - q + q * (abs(head_angle) + 1e-3) / 0.7853981633974483)
-    return -head_angle * k * exponential(-power(max(t, 1e-9) / T, n)), 0.0
+    return -head_angle * k * exponential(-power(max(t - t_d, 1e-9) / T, n)), 0.0
 
 
 def swing(
-    t: float, head_angle: float, k: float, tau: float, n: float, q: float, c: float
+    t: float, head_angle: float, k: float, tau: float, n: float, q: float, c: float, t_d: float
 ) -> tuple[float]:
     """Rate at which the core turns (rad/s): c times that of the head angle."""
     T = tau * (1.0 - q + q * (abs(head_angle) + 1e-3) / 0.7853981633974483)
-    late = max(t, 1e-9) / T
+    late = max(t - t_d, 1e-9) / T
     left = power(late, n)
-    return (c * k * head_angle * exponential(-left) * left * n / (late * T),)
+    moving = min(max(1.0 + 1e6 * (t - t_d), 0.0), 1.0)  # 0 until a microsecond before t_d
+    return (moving * c * k * head_angle * exponential(-left) * left * n / (late * T),)

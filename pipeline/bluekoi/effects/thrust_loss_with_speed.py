@@ -33,9 +33,9 @@ PARAMETERS = (
     Parameter("loss_per_advance", "m", 0.02, 0.0, 1.0,
               "loss of T / (rho A f^2) per metre of advance, at 0.15 m", symbol="k"),
     Parameter("quadratic_share", "1", 0.0, 0.0, 1.0, "part that grows as the advance squared",
-              spread=0.4, tries=(0.8, 0.0), symbol="w"),
+              spread=0.4, symbol="w"),
     Parameter("frequency_exponent", "1", 0.0, 0.0, 2.0, "growth with frequency at equal advance",
-              spread=0.5, tries=(0.0, 1.0), symbol="q"),
+              spread=0.5, symbol="q"),
 )  # fmt: skip
 
 

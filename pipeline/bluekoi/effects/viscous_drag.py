@@ -32,7 +32,7 @@ PARAMETERS = (
     Parameter("coefficient", "N (s/m)^1.5", 0.1, 0.0, 5.0, "force at 0.3 m/s over 0.3^1.5",
               symbol="k"),
     Parameter("linear_share", "1", 0.0, 0.0, 1.0, "part that grows as V",
-              spread=0.4, tries=(0.8,), symbol="w"),
+              spread=0.4, symbol="w"),
     Parameter("head_share", "1", 0.0, 0.0, 1.0, "part of it that acts at the head",
               spread=0.5, symbol="h"),
 )  # fmt: skip

@@ -2,18 +2,19 @@
 
 At the speed V, the drag against the direction of motion v_hat is
 
-    D = -k V^4 ((1 - w) + w (V / V_1)^2) (1 + g R(V)) v_hat,  V_1 = 0.4 m/s
-    R = 1 / (1 + ((V - V_c) / 0.08 m/s)^2)^2
+    D = -k V_1^4 ((1 - g) (1 - o) ((1 - w) (V / V_1)^4 + w (V / V_1)^6)
+                  + (1 - g) o (max(V - V_0, 0) / (V_1 - V_0))^2 + g (V / V_1)^2 R(V)) v_hat
+    R = 1 / (1 + ((V - V_c) / 0.08 m/s)^2)^2,  V_1 = 0.4 m/s
 
-Below the hull speed, wave drag rises faster than the square of the speed: here as V^4, and the part
-w as V^6. Interference of bow and stern waves causes a hump of the relative height g at the speed
-V_c.
+Below the hull speed, wave drag rises faster than the square of the speed: as V^4, and the part w as
+V^6. The part o is zero below the onset speed V_0, because waves on water are not slower than 0.23
+m/s. The part g is a hump at the speed V_c, which interference of bow and stern waves causes.
 
 The part h of the drag acts at the head plate, at the distance l ahead of the centre of mass. The
 rest acts at the centre of mass.
 
 Source: Faltinsen, Hydrodynamics of High-Speed Marine Vehicles (2005), sec. 4.1; Hoerner (1965), ch.
-11.
+11; Raphael and de Gennes, Phys. Rev. E 53 (1996), 3448 (onset of capillary-gravity waves).
 """
 
 from __future__ import annotations
@@ -33,20 +34,27 @@ PARAMETERS = (
     Parameter("coefficient", "N (s/m)^4", 1.0, 0.0, 60.0, "force at 0.4 m/s over 0.4^4",
               symbol="k"),
     Parameter("sixth_power_share", "1", 0.0, 0.0, 1.0, "part that grows as V^6",
-              spread=0.4, tries=(0.8,), symbol="w"),
+              spread=0.4, symbol="w"),
     Parameter("head_share", "1", 0.0, 0.0, 1.0, "part of it that acts at the head",
               spread=0.5, symbol="h"),
-    Parameter("hump_height", "1", 0.0, -0.8, 5.0, "further drag at the hump",
-              spread=0.5, symbol="g"),
-    Parameter("hump_speed", "m/s", 0.4, 0.1, 1.0, "speed of the hump", spread=0.1, symbol="V_c"),
+    Parameter("hump_share", "1", 0.0, 0.0, 1.0, "part that is a hump", spread=0.5, symbol="g"),
+    Parameter("hump_speed", "m/s", 0.35, 0.1, 1.0, "speed of the hump", spread=0.1, symbol="V_c"),
+    Parameter("onset_share", "1", 0.0, 0.0, 1.0, "part that begins at the onset speed",
+              spread=0.5, symbol="o"),
+    Parameter("onset_speed", "m/s", 0.23, 0.0, 0.35, "speed from which the robot makes waves",
+              spread=0.05, symbol="V_0"),
 )  # fmt: skip
 
 
 def force(
-    l: float, uc: float, vc: float, V: float, k: float, w: float, h: float, g: float, V_c: float
-) -> tuple[float, float, float]:
+    l: float, uc: float, vc: float, V: float, k: float, w: float, h: float, g: float, V_c: float,
+    o: float, V_0: float,
+) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N) and yaw (N m)."""
     z = (V - V_c) / 0.08
     e = 1.0 + z * z
-    s = -k * V * V * V * ((1.0 - w) + 6.25 * w * V * V) * (1.0 + g / (e * e))
+    y, x = 6.25 * V * V, max(V - V_0, 0.0) / (0.4 - V_0)  # y = (V / V_1)^2
+    smooth = y * y * (1.0 - w + w * y)
+    D = 0.0256 * k * ((1.0 - g) * (smooth + o * (x * x - smooth)) + g * y / (e * e))
+    s = -D / max(V, 1e-9)
     return s * uc, s * vc, h * l * s * vc

@@ -13,6 +13,7 @@ from matplotlib.ticker import NullFormatter
 
 from ..campaign import Campaign
 from ..data import Float
+from ..study.keypoint_depth import DEPTH_DECIMALS
 from .drawing.pool import draw_pool
 from .drawing.style import DIVERGING_COLOURMAP, panel_letter, placeholder
 
@@ -66,9 +67,19 @@ def draw(campaign: Campaign) -> Figure:
 
 def _check_summary(found: Mapping[str, Any]) -> str:
     """Result of the check, and the source of the keypoint depth."""
-    source = "from study.yaml" if found.get("depth_given", True) else "estimated here"
+    source = "from study.yaml" if found.get("depth_given", True) else _source_of_depth(found)
     sentence = textwrap.fill(str(found["sentence"]), 150)
     return f"{sentence}; keypoint depth {1000 * found['depth_m']:.0f} mm, {source}"
+
+
+def _source_of_depth(found: Mapping[str, Any]) -> str:
+    """How a keypoint depth that study.yaml does not give was found; see study/keypoint_depth.py."""
+    estimate, std = found.get("depth_estimate_m"), found.get("depth_estimate_std_m")
+    if estimate is None or std is None:
+        return "assumed"
+    if round(estimate, DEPTH_DECIMALS) == found["depth_m"]:
+        return f"estimated from the rigid lengths (± {1000 * std:.0f} mm)"
+    return f"assumed: the rigid lengths give it to ± {1000 * std:.0f} mm only"
 
 
 def _colour_limit_pct(grid: dict[str, Float]) -> float:

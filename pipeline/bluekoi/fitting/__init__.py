@@ -4,7 +4,7 @@ from .block_average import block_averaged
 from .bootstrap import parametric_bootstrap
 from .filtering import Filtered, FilterResults, disturbance_slots, filter_all, filter_series, smooth
 from .free_run import FreeRun, free_runs
-from .joint import Fit, conditional_response, fit, pseudo_inverse
+from .joint_fit import Fit, conditional_response, fit, pseudo_inverse
 from .missing_force import MissingForce, added_force, missing_force, rms_forces
 from .noise import fit_noise
 from .normal import (

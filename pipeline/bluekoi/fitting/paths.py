@@ -25,7 +25,7 @@ from ..data import Float
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate, run_in_threads
 from .gram import set_products
-from .joint import CONVERGED, STALLED, Fit, damped_step
+from .joint_fit import CONVERGED, STALLED, Fit, damped_step
 from .normal import Normal, slots_by_name
 from .padded import PaddedTrials, padded_trials
 from .series import Free, Series

@@ -13,7 +13,7 @@ from scipy.special import chdtri
 
 from ..data import Float
 from ..integrate import Kernel
-from .joint import Fit, pseudo_inverse
+from .joint_fit import Fit, pseudo_inverse
 from .normal import Normal
 from .sandwich import ClusterCovariance
 

@@ -27,7 +27,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ..data import Float
-from .joint import pseudo_inverse
+from .joint_fit import pseudo_inverse
 from .normal import Normal
 
 MIN_REMAINING = 0.02

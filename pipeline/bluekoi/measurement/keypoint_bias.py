@@ -2,7 +2,9 @@
 
 The pose of the robot is fitted to all keypoints. A constant offset of one keypoint on the body
 therefore changes the whole pose: it shifts the core centre by (bx, by) along and across the core,
-the heading of the core by bpsi, and the head angle by bphi.
+the heading of the core by bpsi, and the head angle by bphi. The part w of by, bpsi and bphi is
+proportional to the sine of the head angle phi, as for a label that follows the edge of the turned
+head: these three are multiplied by (1 - w) + w sin(phi) / sin(45 deg).
 
 The offset along the core is at most 2 cm; a larger one is a `centre_of_mass_shift`.
 
@@ -28,11 +30,14 @@ PARAMETERS = (
               symbol="bpsi"),
     Parameter("head_angle_offset", "rad", 0.01, -0.8, 0.8, "error of the observed head angle",
               symbol="bphi"),
+    Parameter("head_angle_share", "1", 0.0, 0.0, 1.0, "part in proportion to the turned head",
+              spread=0.5, symbol="w"),
 )  # fmt: skip
 
 
 def observe(
-    cpsi: float, spsi: float, bx: float, by: float, bpsi: float, bphi: float
+    cpsi: float, spsi: float, sphi: float, bx: float, by: float, bpsi: float, bphi: float, w: float
 ) -> tuple[float, float, float, float]:
     """Change of what is seen (m, m, rad, rad)."""
-    return bx * cpsi - by * spsi, bx * spsi + by * cpsi, bpsi, bphi
+    a = 1.0 - w + w * 1.4142135623730951 * sphi
+    return bx * cpsi - by * a * spsi, bx * spsi + by * a * cpsi, bpsi * a, bphi * a

@@ -37,7 +37,7 @@ from ..integrate.batch import threaded_map
 from ..model import is_residual, plates
 from ..study import Study
 from ..study.data_split import has_trial_roles, held_out_trials
-from ..tuning import Tuned, downsampled, steady_errors, tune
+from ..tuning import FittedModel, downsampled, fit_all_trials, steady_errors
 from .camera_displacement import CameraDisplacement, detect_displacements, with_displacements
 from .drift import Drift, drifting_trial
 from .free_run_errors import path_errors
@@ -73,8 +73,8 @@ class MismatchResult:
     unexplained: float
     model: FittedSet
     gains: Mapping[str, float]
-    baseline: Tuned
-    extended: Tuned
+    baseline: FittedModel
+    extended: FittedModel
     fitted_to: str
     forces: Sequence[MissingForce]
     dependences: Sequence[Dependence]
@@ -98,7 +98,7 @@ def find_mismatch(
     held_out = held_out_trials(study, [s.name for s in series])
     progress("baseline")
     averaged, coarse = downsampled(series), downsampled(series, SEARCH_RATE_HZ)
-    baseline = tune([s for s in averaged if s.name not in held_out])
+    baseline = fit_all_trials([s for s in averaged if s.name not in held_out])
     displaced, drifting = _displaced_and_drifting(kernel, averaged, baseline)
     series = with_displacements(kernel, series, displaced)
     averaged, coarse = (with_displacements(kernel, s, displaced) for s in (averaged, coarse))
@@ -107,7 +107,7 @@ def find_mismatch(
         held_out = [name for name in held_out if name not in {d.trial for d in displaced}]
     train = [s for s in averaged if s.name not in held_out]
     test = [s for s in series if s.name in held_out] or list(series)
-    baseline = tune(train) if displaced else baseline
+    baseline = fit_all_trials(train) if displaced else baseline
     searched = [s for s in coarse if s.name not in held_out]
     camera = study.setup.camera
     problem = robot_problem(kernel, searched, baseline, displaced=displaced, progress=progress,
@@ -156,7 +156,7 @@ def find_mismatch(
 
 
 def _displaced_and_drifting(
-    kernel: Kernel, series: Sequence[Series], model: Tuned
+    kernel: Kernel, series: Sequence[Series], model: FittedModel
 ) -> tuple[list[CameraDisplacement], Drift | None]:
     """Displacements of the camera during a trial, and the trial whose positions drift, if any."""
     fitted = kernel, series, model.trial_values(kernel, series), model.noise
@@ -168,7 +168,7 @@ SINGLE_TRIAL_VARIANCE_FACTOR = 2.0
 twice, the overdispersion above which the report warns."""
 
 
-def with_between_trial_covariance(baseline: Tuned, model: FittedSet) -> Tuned:
+def with_between_trial_covariance(baseline: FittedModel, model: FittedSet) -> FittedModel:
     """A fitted set with covariances from how its trials disagree."""
     free = off_bounds_mask(model)
     spread = cluster_covariance(model.fit.normal, free)
@@ -177,10 +177,12 @@ def with_between_trial_covariance(baseline: Tuned, model: FittedSet) -> Tuned:
     naive = SINGLE_TRIAL_VARIANCE_FACTOR * np.diag(inverse_fisher(model.fit.normal, free))
     cov[alone, alone] = np.maximum(cov[alone, alone], naive[alone])
     df[alone] = max(len(model.fit.normal.hessian) - 1, 1)
-    return Tuned(model.fit, model.noise, cov, baseline.base, df, None)
+    return FittedModel(model.fit, model.noise, cov, baseline.base, df, None)
 
 
-def trajectory_fit(kernel: Kernel, train: Sequence[Series], baseline: Tuned) -> Tuned | None:
+def trajectory_fit(
+    kernel: Kernel, train: Sequence[Series], baseline: FittedModel
+) -> FittedModel | None:
     """The baseline fitted to whole trajectories, the criterion of the comparison; None where that
     fit diverges.
     """
@@ -190,7 +192,11 @@ def trajectory_fit(kernel: Kernel, train: Sequence[Series], baseline: Tuned) -> 
 
 
 def _missing_force_and_dependences(
-    study: Study, kernel: Kernel, series: Sequence[Series], baseline: Tuned, extended: Tuned
+    study: Study,
+    kernel: Kernel,
+    series: Sequence[Series],
+    baseline: FittedModel,
+    extended: FittedModel,
 ) -> tuple[list[MissingForce], list[Dependence]]:
     """What the model lacks without its additions, and what that depends on.
 
@@ -241,7 +247,8 @@ def model_warnings(kernel: Kernel, train: Sequence[Series], best: ScoredSet) -> 
     if (c := best.overdispersion) > MAX_OVERDISPERSION:
         out.append(
             f"The parameters differ between trials {c:.1f} times more (in variance) than their "
-            "standard errors allow: something is missing that this model does not describe."
+            "standard errors allow: something is missing that this model does not describe, or a "
+            "few trials differ from the others. Look at the trials with the largest path errors."
         )
     tau = best.model.noise.tau[: len(best.model.noise.disturbance)]
     upper = [p.upper for e in kernel.system.effects if e.kind == "disturbance"

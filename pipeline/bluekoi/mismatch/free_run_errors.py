@@ -27,7 +27,7 @@ from ..fitting import (
 from ..integrate import Kernel
 from ..integrate.batch import threaded_map
 from ..study import Study
-from ..tuning import Tuned
+from ..tuning import FittedModel
 from ..tuning.stability import predictability_horizon_s
 
 NOISE_FLOOR_SEED = 20240517
@@ -53,7 +53,7 @@ class PathErrors:
 
 
 def path_errors(
-    study: Study, kernel: Kernel, models: Mapping[str, Tuned], series: Sequence[Series]
+    study: Study, kernel: Kernel, models: Mapping[str, FittedModel], series: Sequence[Series]
 ) -> PathErrors:
     """`PathErrors` of models on trials, over the predictability horizon of the last, the best one.
 
@@ -70,7 +70,9 @@ def path_errors(
     return PathErrors(rmse, floor if floor < study.setup.pool.width_m else np.nan, horizon)
 
 
-def _bootstrap_errors(kernel: Kernel, tuned: Tuned, segments: Sequence[Series]) -> list[float]:
+def _bootstrap_errors(
+    kernel: Kernel, tuned: FittedModel, segments: Sequence[Series]
+) -> list[float]:
     """Path errors of a model on data made by itself, segment by segment, m."""
     rng, values = np.random.default_rng(NOISE_FLOOR_SEED), tuned.trial_values(kernel, segments)
     runs = free_runs(kernel, segments, values)
@@ -84,7 +86,7 @@ def _bootstrap_errors(kernel: Kernel, tuned: Tuned, segments: Sequence[Series]) 
 
 
 def trial_segments(
-    kernel: Kernel, tuned: Tuned, series: Sequence[Series], horizon_s: float
+    kernel: Kernel, tuned: FittedModel, series: Sequence[Series], horizon_s: float
 ) -> list[Series]:
     """Segments of all trials; the states of effects (a lag, a servo) start at the values that the
     model's filter has at that time.
@@ -138,7 +140,7 @@ def _state_at(series: Series, frame: int) -> Float:
                      vy * np.cos(psi) - vx * np.sin(psi), r])  # fmt: skip
 
 
-def _rmse(kernel: Kernel, tuned: Tuned, segments: Sequence[Series]) -> float:
+def _rmse(kernel: Kernel, tuned: FittedModel, segments: Sequence[Series]) -> float:
     """Root mean square distance between seen and simulated over all segments, m."""
     runs = free_runs(kernel, segments, tuned.trial_values(kernel, segments))
     precise = precisely_seen_frames(segments)

@@ -13,8 +13,8 @@ from ..data import Float
 from ..fitting import MissingForce, Noise, Series, added_force, missing_force, slots_by_name
 from ..integrate import Kernel
 from ..study import Trial
-from ..tuning import Tuned
-from ..tuning.joint import Z_95
+from ..tuning import FittedModel
+from ..tuning.joint_fit import Z_95
 from .missing_force_dependence import CHANNELS, covariates
 
 BIN_COUNT, MIN_FRAMES_PER_BIN = 15, 3
@@ -57,7 +57,7 @@ def cause_laws(
     kernel: Kernel,
     series: Sequence[Series],
     forces: Sequence[MissingForce],
-    tuned: Tuned,
+    tuned: FittedModel,
     trials: Mapping[str, Trial],
 ) -> dict[str, dict[str, Any]]:
     """Law of every cause in a tuned model that exerts a force.
@@ -79,7 +79,7 @@ def partial_residuals(
     kernel: Kernel,
     series: Sequence[Series],
     forces: Sequence[MissingForce],
-    tuned: Tuned,
+    tuned: FittedModel,
     trials: Mapping[str, Trial],
     *,
     laws: Mapping[str, Mapping[str, Any]],
@@ -111,7 +111,11 @@ def _part_means(values: Float) -> Float:
 
 
 def _law(
-    kernel: Kernel, series: Sequence[Series], tuned: Tuned, name: str, over: Mapping[str, Float]
+    kernel: Kernel,
+    series: Sequence[Series],
+    tuned: FittedModel,
+    name: str,
+    over: Mapping[str, Float],
 ) -> dict[str, Any] | None:
     own = [i for i, f in enumerate(tuned.fit.free) if f.name.startswith(f"{name}.")]
     force = partial(_force, kernel, series, tuned, name)
@@ -143,7 +147,7 @@ def _law(
 
 
 def _force(
-    kernel: Kernel, series: Sequence[Series], tuned: Tuned, name: str, values: Float
+    kernel: Kernel, series: Sequence[Series], tuned: FittedModel, name: str, values: Float
 ) -> Float:
     """Force (frames, channels) of one cause along all trials, with these fitted numbers."""
     free, slots = tuned.fit.free, slots_by_name(kernel)
@@ -190,7 +194,7 @@ def _explained(binned: Binned, y: Float) -> float:
     return float(1.0 - np.mean(left**2) / max(float(np.mean(y[inside] ** 2)), 1e-300))
 
 
-def _half_width(tuned: Tuned, own: Sequence[int], law: Any, mean: Float) -> Float | None:
+def _half_width(tuned: FittedModel, own: Sequence[int], law: Any, mean: Float) -> Float | None:
     """Half width of the 95 % band (bins,), linear in the cause's numbers; None where one of their
     deviations is unknown. A number at its bound does not vary.
     """

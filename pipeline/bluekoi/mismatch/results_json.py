@@ -14,8 +14,8 @@ from ..fitting import Series
 from ..integrate import Effect
 from ..model import is_residual, plates, residual_channels
 from ..study import Study
-from ..tuning import Tuned
-from ..tuning.joint import Z_95
+from ..tuning import FittedModel
+from ..tuning.joint_fit import Z_95
 from .find import MismatchResult
 from .missing_force_dependence import CHANNELS
 from .next_trial import next_trial_json
@@ -92,9 +92,14 @@ def _regime(found: MismatchResult, effect: Effect) -> str:
 def _parameters(found: MismatchResult, name: str) -> dict[str, dict[str, Any]]:
     """A cause's numbers; std such that value +- 1.96 std is their 95 % interval."""
     tuned = found.extended
-    units = {p.name: p.unit for p in plates().parameters}
+    rows = {p.name: p for p in plates().parameters}
     return {
-        f.name.split(".", 1)[1]: {"value": float(v), "std": s, "unit": units[f.name]}
+        f.name.split(".", 1)[1]: {
+            "value": float(v),
+            "std": s,
+            "unit": rows[f.name].unit,
+            "meaning": rows[f.name].meaning,
+        }
         for f, v, s in zip(
             tuned.fit.free, tuned.fit.values, normal_equivalent_std(tuned), strict=True
         )
@@ -102,7 +107,7 @@ def _parameters(found: MismatchResult, name: str) -> dict[str, dict[str, Any]]:
     }
 
 
-def normal_equivalent_std(tuned: Tuned) -> list[float]:
+def normal_equivalent_std(tuned: FittedModel) -> list[float]:
     """Deviations (p,) of normal distributions with the 95 % intervals of a tuned model."""
     return [float(std) for std in 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / Z_95]
 

@@ -212,6 +212,7 @@ def _cause_text(entry: dict[str, Any]) -> Cause:
         + value_with_interval(
             cell.get("value"), cell.get("std"), format_unit(str(cell.get("unit", "")))
         )
+        + (f": {cell['meaning']}" if cell.get("meaning") else "")
         for name, cell in (entry.get("parameters") or {}).items()
     ]
     others = entry.get("credible_set") or []

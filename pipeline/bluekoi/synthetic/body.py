@@ -97,7 +97,7 @@ def circle_outline(radius_m: float, count: int = 20) -> np.ndarray:
     return radius_m * np.exp(2j * np.pi * np.arange(count) / count)
 
 
-def _tail_parts(robot: Robot, base: complex, core: complex, beat: float) -> list[Part]:
+def _tail_shapes_to_draw(robot: Robot, base: complex, core: complex, beat: float) -> list[Part]:
     first, second = (complex(np.exp(1j * a)) for a in tail_angles(np.array(beat)))
     root_m = PEDUNCLE_LENGTH_SHARE * robot.tail_length_m
     blade_m = (1 - PEDUNCLE_LENGTH_SHARE) * robot.tail_length_m
@@ -138,7 +138,7 @@ def robot_parts(
     head = complex(np.exp(1j * (pose[2] - pose[3])))
     hinge, base = complex(points[1]), complex(points[3])
     insets = (0.0, 0.010, 0.022)
-    parts = _tail_parts(robot, base, core, float(pose[4]))
+    parts = _tail_shapes_to_draw(robot, base, core, float(pose[4]))
     parts += _shaded_parts([core_outline(robot, inset) for inset in insets], hinge, core)
     parts += [
         Part(hinge + circle_outline(0.0315), SKIN_RGB),

@@ -11,13 +11,13 @@ from ..fitting import Series
 from ..integrate import Kernel
 from ..model import simulate
 from ..study import Study
-from .joint import Tuned
+from .joint_fit import FittedModel
 
 
 def steady_errors(
     study: Study,
     kernel: Kernel,
-    tuned: Tuned,
+    tuned: FittedModel,
     series: Sequence[Series],
     steady: Mapping[str, Steady],
 ) -> dict[str, float]:

@@ -16,10 +16,10 @@ from ..fitting import Series, conditional_response, normal_equations, off_bounds
 from ..fitting.sandwich import MAX_UNSHARED
 from ..integrate import compiled
 from ..model import plates
-from .joint import Tuned
+from .joint_fit import FittedModel
 
 
-def step_sensitivity(series: Sequence[Series], later: Tuned, earlier: Tuned) -> Float:
+def step_sensitivity(series: Sequence[Series], later: FittedModel, earlier: FittedModel) -> Float:
     """G (p, q): response of the later fit, of these trials, to the earlier one's q numbers."""
     kernel, p = compiled(plates()), len(later.fit.values)
     out = np.zeros((p, len(earlier.fit.values)))
@@ -32,7 +32,9 @@ def step_sensitivity(series: Sequence[Series], later: Tuned, earlier: Tuned) -> 
     return out
 
 
-def with_step_covariance(later: Tuned, earlier: Tuned, sensitivity: Float) -> Tuned:
+def with_step_covariance(
+    later: FittedModel, earlier: FittedModel, sensitivity: Float
+) -> FittedModel:
     """The later fit with the earlier one's covariance in its own, sensitivity = G.
 
     Degrees of freedom of a sum of two variances by Satterthwaite, v^2 / f = v1^2 / f1 + v2^2 / f2;

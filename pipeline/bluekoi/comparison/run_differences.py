@@ -79,7 +79,7 @@ def compare(first: Run, second: Run) -> list[Difference]:
         *_cause_differences(first, second),
         *_coefficient_differences(first, second),
         *_error_differences(first, second),
-        *_trial_differences(first, second),
+        *_differences_of_trials(first, second),
         *(_setting_differences(first, second) if both else ()),
         *(_input_differences(first, second) if both else ()),
     ]
@@ -148,7 +148,7 @@ def _as_cell(value: float | None, factor: float, unit: str) -> dict[str, Any]:
     return {"value": None if value is None else factor * value, "unit": unit}
 
 
-def _trial_differences(first: Run, second: Run) -> Iterator[Difference]:
+def _differences_of_trials(first: Run, second: Run) -> Iterator[Difference]:
     for name in dict.fromkeys([*first.steady, *second.steady]):
         rows = [run.steady.get(name) for run in (first, second)]
         cells = [

@@ -75,5 +75,5 @@ def test_noise_that_lasts_is_seen_and_a_dot_that_whips_is_as_noisy_as_the_others
     rows[..., :2] += error * np.array(noise)[:, None]
     rows[:, 4, 1] += 15 * np.sin(np.arange(n) * 2.1)
     names = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
-    found = markers._keypoints(np.arange(n) / 30, names, rows)
+    found = markers._keypoints_of_rows(np.arange(n) / 30, names, rows)
     assert np.sqrt(found.cov_px2[0, :, 0, 0]) == pytest.approx(noise, rel=0.3)

@@ -10,7 +10,7 @@ import pytest
 
 from bluekoi.data import Frame, Keypoints
 from bluekoi.keypoints import silhouette
-from bluekoi.keypoints.midline.identity import doubt_alone
+from bluekoi.keypoints.midline.identity import record_doubtful_jump
 from bluekoi.keypoints.midline.midline_fit import BendingTemplate, midline
 from bluekoi.keypoints.midline.track import Fit, Track
 from bluekoi.study import Setup, Trial
@@ -178,7 +178,7 @@ def doubted_frames(fits: list[Fit | None]) -> list[int]:
     shape, track = BendingTemplate(1.0, 0.1, np.zeros((56, 17)), 0.0), Track()
     for i, one in enumerate(fits):
         track.add(i / 50, one)
-        doubt_alone(track, shape)
+        record_doubtful_jump(track, shape)
     return sorted(track.unsure)
 
 

@@ -41,7 +41,7 @@ def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -
             path, "start_s, end_s", "no frame in that part", "a part inside the recording"
         )
     sidecar = covariance_path(path)
-    return _with_covariance(found, sidecar) if sidecar.is_file() else found
+    return _with_stored_covariance(found, sidecar) if sidecar.is_file() else found
 
 
 def read_detections(path: Path, trial: Trial) -> Keypoints:
@@ -59,14 +59,14 @@ def read_table(path: Path) -> Table:
         raise input_error(path, "", "no such file", "a keypoint file")
     if path.stat().st_size == 0:
         raise input_error(path, "", "an empty file (0 bytes)", "a keypoint file")
-    table = _dispatch(path)
+    table = _read_by_format(path)
     if path.stem.endswith("_filtered"):
         remark = f"{path.name} was filtered already: its noise is no longer independent"
         return replace(table, remarks=(*table.remarks, remark))
     return table
 
 
-def _dispatch(path: Path) -> Table:
+def _read_by_format(path: Path) -> Table:
     if path.suffix.lower() == ".csv":
         return read_csv(path)
     if path.suffix.lower() == ".slp":
@@ -101,7 +101,7 @@ def _write_covariance(path: Path, keypoints: Keypoints) -> None:
     write_columns(path, columns)
 
 
-def _with_covariance(found: Keypoints, path: Path) -> Keypoints:
+def _with_stored_covariance(found: Keypoints, path: Path) -> Keypoints:
     """Keypoints with times and covariances of the sidecar, row by row."""
     names = [f"{name}_{pair}" for name in found.names for pair, _, _ in COVARIANCE_ENTRIES]
     columns = read_columns(path, ("time_s", *names))

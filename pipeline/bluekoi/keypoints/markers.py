@@ -24,8 +24,8 @@ from .outline.plane import Plane, swimming_plane
 NEEDS_COLOUR = True
 """The detector takes colour frames (bgr), not grey ones."""
 HUE_WIDTH_DEG = 20.0
-MIN_SATURATION = 70.0
-MIN_VALUE = 45.0
+MIN_HSV_SATURATION = 70.0
+MIN_HSV_VALUE = 45.0
 MARKER_RADIUS_RANGE_BL = (0.0045, 0.09)
 DISTANCE_TOLERANCE_SHARE = 0.10
 MAX_DOTS_PER_HUE = 4
@@ -63,12 +63,12 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
     times, rows = [], []
     box: tuple[int, int, int, int] | None = None
     for frame in frames():
-        row, box = _frame(frame, (hues, names, lengths), plane, box)
+        row, box = _detect_parts_in_frame(frame, (hues, names, lengths), plane, box)
         times.append(frame.time_s)
         rows.append(row)
     if not times:
         raise input_error(trial.source, "", "no frames", "footage with frames")
-    return _keypoints(np.array(times), names, np.array(rows))
+    return _keypoints_of_rows(np.array(times), names, np.array(rows))
 
 
 def distance_ranges(setup: Setup, trial: Trial) -> dict[tuple[str, str], tuple[float, float]]:
@@ -99,7 +99,7 @@ def distance_ranges(setup: Setup, trial: Trial) -> dict[tuple[str, str], tuple[f
     return found | {("tail_base", "tail_tip"): (0.5 * back, 1.15 * back)}
 
 
-def _frame(
+def _detect_parts_in_frame(
     frame: Frame,
     wanted: tuple[
         Mapping[str, float], tuple[str, ...], Mapping[tuple[str, str], tuple[float, float]]
@@ -111,9 +111,9 @@ def _frame(
     hues, names, lengths = wanted
     if frame.bgr is None:
         raise input_error("footage", "", "grey frames", "colour frames for the markers")
-    image, corner = _cut(frame.bgr, box)
+    image, corner = _crop(frame.bgr, box)
     hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV).astype(np.float32)
-    dots = {part: _dots(hsv, hues[part], corner, plane) for part in names}
+    dots = {part: _dots_of_hue(hsv, hues[part], corner, plane) for part in names}
     row = np.full((len(names), 5), np.nan)
     row[:, 2] = 0.0
     for k, part in enumerate(names):
@@ -136,7 +136,7 @@ def _frame(
     return row, (int(low[0]), int(low[1]), int(high[0]), int(high[1]))
 
 
-def _cut(
+def _crop(
     image: npt.NDArray[np.uint8], box: tuple[int, int, int, int] | None
 ) -> tuple[npt.NDArray[np.uint8], Float]:
     if box is None:
@@ -145,22 +145,24 @@ def _cut(
     return image[top : max(top + 1, box[3]), left : max(left + 1, box[2])], np.array([left, top])
 
 
-def _dots(hsv: npt.NDArray[np.float32], hue_deg: float, corner: Float, plane: Plane) -> list[Dot]:
+def _dots_of_hue(
+    hsv: npt.NDArray[np.float32], hue_deg: float, corner: Float, plane: Plane
+) -> list[Dot]:
     """Blobs of a hue, those of most colour first."""
     away = np.abs((hsv[..., 0] * 2.0 - hue_deg + 180.0) % 360.0 - 180.0)
     closeness = np.clip(1.5 - 1.5 * away / HUE_WIDTH_DEG, 0.0, 1.0)
-    colour = np.where(hsv[..., 2] > MIN_VALUE, hsv[..., 1] - MIN_SATURATION, 0.0)
+    colour = np.where(hsv[..., 2] > MIN_HSV_VALUE, hsv[..., 1] - MIN_HSV_SATURATION, 0.0)
     weight = (closeness * np.maximum(colour, 0.0)).astype(np.float32)
     contours, _ = cv2.findContours(
         (weight > 8).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE
     )
     area = np.pi * (np.array(MARKER_RADIUS_RANGE_BL) * plane.px_per_bl) ** 2
     sized = [c for c in contours if area[0] < max(cv2.contourArea(c), len(c)) < area[1]]
-    dots = [_dot(weight, contour, corner, plane) for contour in sized]
+    dots = [_dot_of_contour(weight, contour, corner, plane) for contour in sized]
     return sorted(dots, key=lambda dot: -dot.weight)[:MAX_DOTS_PER_HUE]
 
 
-def _dot(
+def _dot_of_contour(
     weight: npt.NDArray[np.float32], contour: npt.NDArray[np.int32], corner: Float, plane: Plane
 ) -> Dot:
     x, y, w, h = cv2.boundingRect(contour)
@@ -189,7 +191,7 @@ def _consistent_neighbours(
     return float(np.mean(votes)) if votes else 0.0
 
 
-def _keypoints(times: Float, names: tuple[str, ...], rows: Float) -> Keypoints:
+def _keypoints_of_rows(times: Float, names: tuple[str, ...], rows: Float) -> Keypoints:
     xy, likelihood = rows[..., :2], rows[..., 2]
     variance = dot_variances(names, xy, likelihood) + occlusion_variances(
         rows[..., 3], rows[..., 4]

@@ -49,24 +49,26 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
     Raises: InputError where the footage holds no frame.
     """
     plane = swimming_plane(setup)
-    again = _seekable(frames)
+    again = _repeatable(frames)
     samples = sample_frames(again(), SAMPLE_COUNTS[0])
     if not samples:
         raise input_error(trial.source, "", "no frames", "footage with frames")
     if setup.detection.body == "bending":
-        return _bending(again, plane, setup, trial) or _nothing(
-            [frame.time_s for frame in again()], (_why(samples, plane, setup, trial),)
+        return _detect_bending_body(again, plane, setup, trial) or _empty_keypoints(
+            [frame.time_s for frame in again()], (_no_robot_remark(samples, plane, setup, trial),)
         )
-    found = _rigid(again, samples, plane, setup=setup, trial=trial)
-    if setup.detection.body == "auto" and _likely_share(found) < MIN_RIGID_FRAMES_SHARE:
-        bending = _bending(again, plane, setup, trial)
+    found = _detect_rigid_body(again, samples, plane, setup=setup, trial=trial)
+    if setup.detection.body == "auto" and _confident_frames_share(found) < MIN_RIGID_FRAMES_SHARE:
+        bending = _detect_bending_body(again, plane, setup, trial)
         return (
-            found if bending is None or _likely_share(bending) < _likely_share(found) else bending
+            found
+            if bending is None or _confident_frames_share(bending) < _confident_frames_share(found)
+            else bending
         )
     return found
 
 
-def _rigid(
+def _detect_rigid_body(
     frames: Callable[[], Iterable[Frame]],
     samples: Sequence[Frame],
     plane: Plane,
@@ -75,19 +77,21 @@ def _rigid(
     trial: Trial,
 ) -> Keypoints:
     """Keypoints of a rigid head and core with a tail."""
-    with _prefetched(frames()) as film:
+    with _decode_in_background(frames()) as film:
         scene, outline, remarks = learned_scene(frames, samples, plane, setup, trial)
         if outline is None:
             times = [frame.time_s for frame in film]
-            return _nothing(times, (*remarks, _why(samples, plane, setup, trial)))
+            return _empty_keypoints(
+                times, (*remarks, _no_robot_remark(samples, plane, setup, trial))
+            )
         times, fits = track_robot(film, scene, outline.template)
     if not times:
         raise input_error(trial.source, "", "no frames", "frames between start_s and end_s")
-    remarks = (*remarks, *second_body_remark(outline, scene), *_missing_remark(times, fits))
+    remarks = (*remarks, *second_body_remark(outline, scene), *_missing_frames_remark(times, fits))
     return keypoints_from_fits(times, fits, scene, outline.template, remarks)
 
 
-def _why(samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial) -> str:
+def _no_robot_remark(samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial) -> str:
     """The remark where nothing was found."""
     images = [frame.luma for frame in samples]
     return (
@@ -95,12 +99,12 @@ def _why(samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial) -> 
     )
 
 
-def _likely_share(found: Keypoints) -> float:
+def _confident_frames_share(found: Keypoints) -> float:
     """Share of the frames in which all points are likely."""
     return float(np.mean(is_confident(found.likelihood).all(axis=1)))
 
 
-def _bending(
+def _detect_bending_body(
     frames: Callable[[], Iterable[Frame]], plane: Plane, setup: Setup, trial: Trial
 ) -> Keypoints | None:
     """Keypoints of a bending body; None without one, or where it is not seen to bend."""
@@ -113,7 +117,7 @@ def _bending(
 
 
 @contextmanager
-def _prefetched(film: Iterable[Frame]) -> Iterator[Iterable[Frame]]:
+def _decode_in_background(film: Iterable[Frame]) -> Iterator[Iterable[Frame]]:
     """The film, decoded in the background where it can be, while the template is learned."""
     prefetched = getattr(film, "prefetched", None)
     if prefetched is None:
@@ -123,7 +127,7 @@ def _prefetched(film: Iterable[Frame]) -> Iterator[Iterable[Frame]]:
             yield frames
 
 
-def _seekable(frames: Callable[[], Iterable[Frame]]) -> Callable[[], Iterable[Frame]]:
+def _repeatable(frames: Callable[[], Iterable[Frame]]) -> Callable[[], Iterable[Frame]]:
     """`frames`, called once only if what it gives can be run through again and again."""
     first = frames()
     return (lambda: first) if hasattr(first, "evenly_spaced") else frames
@@ -144,7 +148,7 @@ def learned_scene(
     notes: tuple[str, ...] = ()
     for count in SAMPLE_COUNTS:
         samples = samples if count == SAMPLE_COUNTS[0] else sample_frames(frames(), count)
-        found.append(_learned_from(samples, plane, setup, trial))
+        found.append(_scene_and_template(samples, plane, setup, trial))
         notes = camera_remarks(samples, plane)
         outline = found[-1][1]
         if (
@@ -165,7 +169,7 @@ def learned_scene(
     return *best, notes
 
 
-def _learned_from(
+def _scene_and_template(
     samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial
 ) -> tuple[Scene, LearnedTemplate | None]:
     """Scene of a few frames' median and the template learned from them."""
@@ -190,7 +194,7 @@ def _support_score(outline: LearnedTemplate | None) -> float:
     return 0.0 if outline is None else outline.support_score
 
 
-def _missing_remark(times: Sequence[float], fits: Sequence[Fit | None]) -> tuple[str, ...]:
+def _missing_frames_remark(times: Sequence[float], fits: Sequence[Fit | None]) -> tuple[str, ...]:
     """A remark on the frames without a robot."""
     gone = [time for time, one in zip(times, fits, strict=True) if one is None]
     if not gone:
@@ -199,7 +203,7 @@ def _missing_remark(times: Sequence[float], fits: Sequence[Fit | None]) -> tuple
     return (text,)
 
 
-def _nothing(times: Sequence[float], remarks: tuple[str, ...]) -> Keypoints:
+def _empty_keypoints(times: Sequence[float], remarks: tuple[str, ...]) -> Keypoints:
     n, p = len(times), len(PARTS)
     return Keypoints(
         np.array(times),

@@ -16,7 +16,7 @@ from ..study import Trial
 from .files.safe_h5 import member, open_h5, strings
 from .files.table import Table, build_table, to_keypoints
 
-REMEDY = (
+EXPORT_REMEDY = (
     "Install SLEAP's reader (pip install sleap-io), or export the file in SLEAP (File, Export "
     "Analysis HDF5; or sleap-convert --format analysis) and give the .h5 file."
 )
@@ -52,11 +52,11 @@ def read_table(path: Path) -> Table:
             found = f"tracks of shape {tracks.shape} for {len(names)} nodes"
             raise input_error(path, "tracks", found, "(tracks, 2, nodes, frames)")
         values = np.asarray(tracks[()], dtype=float)
-        scores = _scores(member(file, "point_scores"), values)
-        who = _owners(file, values.shape[0])
+        scores = _stored_scores(member(file, "point_scores"), values)
+        who = _track_names(file, values.shape[0])
     if values.shape[3] == 0:
         raise input_error(path, "tracks", "no frames", "a frame at least")
-    return _table(path, names, who, np.concatenate([values, scores[:, None]], axis=1))
+    return _table_of_array(path, names, who, np.concatenate([values, scores[:, None]], axis=1))
 
 
 def read_slp(path: Path) -> Table:
@@ -68,46 +68,48 @@ def read_slp(path: Path) -> Table:
     try:
         import sleap_io  # noqa: PLC0415  an optional dependency
     except ImportError as error:
-        raise input_error(path, "", "a SLEAP project", "a reader for it", REMEDY) from error
+        raise input_error(path, "", "a SLEAP project", "a reader for it", EXPORT_REMEDY) from error
     try:
         labels = sleap_io.load_slp(str(path), open_videos=False)
         videos, names = labels.videos, [str(name) for name in labels.skeleton.node_names]
         if len(videos) != 1:
-            raise input_error(path, "videos", f"{len(videos)} videos", "one video a file", REMEDY)
+            raise input_error(
+                path, "videos", f"{len(videos)} videos", "one video a file", EXPORT_REMEDY
+            )
         values = np.asarray(labels.numpy(video=videos[0], return_confidence=True), dtype=float)
         who = [track.name or f"track_{i}" for i, track in enumerate(labels.tracks)]
     except InputError:
         raise
     except Exception as error:  # whatever a foreign reader raises on a damaged file
         raise input_error(path, "", f"no readable SLEAP project ({error})", "a .slp file",
-                          REMEDY) from error  # fmt: skip
+                          EXPORT_REMEDY) from error  # fmt: skip
     if values.shape[0] == 0:
         raise input_error(path, "", "no frames", "a frame at least")
     if len(who) != values.shape[1] or len(set(who)) < len(who):
         who = [f"track_{i}" for i in range(values.shape[1])]
-    values[..., 2] = np.where(np.isfinite(values[..., 0]), _likelihood(values[..., 2]), 0.0)
-    return _table(path, names, who, values.transpose(1, 3, 2, 0))
+    values[..., 2] = np.where(np.isfinite(values[..., 0]), _scores_or_ones(values[..., 2]), 0.0)
+    return _table_of_array(path, names, who, values.transpose(1, 3, 2, 0))
 
 
-def _likelihood(scores: np.ndarray) -> np.ndarray:
+def _scores_or_ones(scores: np.ndarray) -> np.ndarray:
     """Scores of points; 1 for those that a person placed, which have none."""
     return np.where(np.isfinite(scores), scores, 1.0)
 
 
-def _scores(scores: object, values: np.ndarray) -> np.ndarray:
+def _stored_scores(scores: object, values: np.ndarray) -> np.ndarray:
     shape = (values.shape[0], values.shape[2], values.shape[3])
     if scores is None or getattr(scores, "shape", None) != shape:
         return np.ones(shape)
     return np.asarray(scores[()], dtype=float)  # type: ignore[index]
 
 
-def _owners(file: object, count: int) -> list[str]:
+def _track_names(file: object, count: int) -> list[str]:
     names = member(file, "track_names")
     found = strings(names) if names is not None else []
     return found if len(set(found)) == count else [f"track_{i}" for i in range(count)]
 
 
-def _table(path: Path, names: list[str], who: list[str], values: np.ndarray) -> Table:
+def _table_of_array(path: Path, names: list[str], who: list[str], values: np.ndarray) -> Table:
     owners = [""] if len(who) == 1 else who
     coords = ("x", "y", "likelihood")
     labels = [(o, n, c) for o in owners for n in names for c in coords]

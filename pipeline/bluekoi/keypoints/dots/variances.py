@@ -18,8 +18,8 @@ TREND_FRAMES = 31
 MIN_TREND_FRAMES = 20
 MIN_STD_PX = 0.03
 OUTLIER_SIGMAS = 5.0
-HALF_DISC_CENTROID = 4 / (3 * math.pi)
-MAX_AREA_RATIO = 3.0
+HALF_DISC_CENTROID_RADII = 4 / (3 * math.pi)
+MAX_AREA_DEVIATION_SIGMAS = 3.0
 
 
 def dot_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Float:
@@ -33,7 +33,9 @@ def dot_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Floa
     xy = np.where(is_confident(likelihood)[..., None], xy_px, np.nan)
     rigid = [k for k, name in enumerate(names) if name in RIGID_PARTS]
     pairs = list(combinations(range(len(rigid)), 2))
-    scatter = np.array([_scatter(xy[:, rigid[a]] - xy[:, rigid[b]]) for a, b in pairs])
+    scatter = np.array(
+        [_variance_about_trend_px2(xy[:, rigid[a]] - xy[:, rigid[b]]) for a, b in pairs]
+    )
     known = np.isfinite(scatter)
     sums = np.zeros((len(pairs), len(rigid)))
     for row, pair in enumerate(pairs):
@@ -48,7 +50,7 @@ def dot_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Floa
     return np.maximum(variance, 0.0) + MIN_STD_PX**2
 
 
-def _scatter(apart: Float) -> float:
+def _variance_about_trend_px2(apart: Float) -> float:
     """Variance px^2 of a distance (frames, 2) about its trend, without gross errors."""
     length = np.hypot(*apart[np.isfinite(apart).all(axis=1)].T)
     if len(length) < MIN_TREND_FRAMES:
@@ -68,9 +70,9 @@ def occlusion_variances(area_px2: Float, radius_px: Float) -> Float:
     area = np.where(known, area_px2, np.nanmedian(area_px2) if known.any() else 1.0)
     trend = median_filter(area, (TREND_FRAMES, 1), mode="nearest")
     lacking = np.abs(area / trend - 1.0)
-    usual = MAX_AREA_RATIO * 1.4826 * np.median(lacking, axis=0)
+    usual = MAX_AREA_DEVIATION_SIGMAS * 1.4826 * np.median(lacking, axis=0)
     off = (
-        HALF_DISC_CENTROID
+        HALF_DISC_CENTROID_RADII
         * np.nan_to_num(radius_px)
         * np.maximum(np.minimum(lacking, 1.0) - usual, 0.0)
     )

@@ -22,8 +22,8 @@ def read_csv(path: Path) -> Table:
     Raises: InputError naming the row where the header is not DeepLabCut's, the body is empty, a row
     has another number of cells, or a cell is no number.
     """
-    rows = _rows(path)
-    header, body = _header(path, rows)
+    rows = _nonempty_rows(path)
+    header, body = _split_header(path, rows)
     first = next((i for i, cell in enumerate(header["coords"]) if cell in COORDINATES), 0)
     if first == 0:
         raise input_error(
@@ -32,7 +32,7 @@ def read_csv(path: Path) -> Table:
     width = len(header["coords"])
     if not body:
         raise input_error(path, "", "a header without a single frame", "a row a frame")
-    values = _values(path, body, first, header)
+    values = _parse_cells(path, body, first, header)
     kept = [i for i in range(first, width) if header["coords"][i] in COORDINATES]
     who = header.get("individuals", [""] * width)
     labels = [(who[i], header["bodyparts"][i], header["coords"][i]) for i in kept]
@@ -42,7 +42,7 @@ def read_csv(path: Path) -> Table:
     return build_table(path, labels, values[:, [i - first for i in kept]], frame, lines)
 
 
-def _rows(path: Path) -> list[tuple[int, list[str]]]:
+def _nonempty_rows(path: Path) -> list[tuple[int, list[str]]]:
     """Line numbers and cells of all rows that hold anything at all."""
     try:
         with path.open(encoding="utf-8-sig", newline="") as lines:
@@ -61,7 +61,7 @@ def _rows(path: Path) -> list[tuple[int, list[str]]]:
     return rows
 
 
-def _header(
+def _split_header(
     path: Path, rows: list[tuple[int, list[str]]]
 ) -> tuple[dict[str, list[str]], list[tuple[int, list[str]]]]:
     header: dict[str, list[str]] = {}
@@ -85,7 +85,7 @@ def _header(
     return header, rows[len(header) :]
 
 
-def _values(
+def _parse_cells(
     path: Path, body: list[tuple[int, list[str]]], first: int, header: dict[str, list[str]]
 ) -> npt.NDArray[np.float64]:
     width = len(header["coords"])
@@ -98,10 +98,10 @@ def _values(
     try:
         return np.array([[float(cell or "nan") for cell in row[first:]] for _, row in body])
     except ValueError:
-        raise _wrong_cell(path, body, first, header) from None
+        raise _not_a_number_error(path, body, first, header) from None
 
 
-def _wrong_cell(
+def _not_a_number_error(
     path: Path, body: list[tuple[int, list[str]]], first: int, header: dict[str, list[str]]
 ) -> InputError:
     for number, row in body:

@@ -25,7 +25,7 @@ def white_noise_px(xy_px: Float, likelihood: Float) -> float:
     xy_px: (frames, 2). Slow errors of a network are not seen in this way.
     """
     good = without_outliers(np.where(is_confident(likelihood)[:, None], xy_px, np.nan))
-    found = [_scale(np.diff(good, n=k, axis=0), k) for k in DIFFERENCE_ORDERS]
+    found = [_white_noise_std_px(np.diff(good, n=k, axis=0), k) for k in DIFFERENCE_ORDERS]
     known = [value for value in found if np.isfinite(value)]
     if not known:
         return UNKNOWN_STD_PX
@@ -38,7 +38,7 @@ def without_outliers(xy_px: Float, order: int = 6) -> Float:
     """Positions (frames, 2) with lone jumps made NaN: the middle of the largest differences."""
     half = order // 2
     difference = np.diff(xy_px, n=order, axis=0)
-    scale = _scale(difference, order) * np.sqrt(comb(2 * order, order))
+    scale = _white_noise_std_px(difference, order) * np.sqrt(comb(2 * order, order))
     if not np.isfinite(scale):
         return xy_px
     size = np.pad(np.nan_to_num(np.hypot(*difference.T)), half)
@@ -47,7 +47,7 @@ def without_outliers(xy_px: Float, order: int = 6) -> Float:
     return np.where(lone[:, None], np.nan, xy_px)
 
 
-def _scale(difference: Float, order: int) -> float:
+def _white_noise_std_px(difference: Float, order: int) -> float:
     whole = difference[np.isfinite(difference).all(axis=1)]
     if len(whole) < MIN_FRAMES:
         return float("nan")

@@ -40,14 +40,14 @@ def parse_literal(pickled: bytes) -> Any:
             if count > MAX_OPCODES:
                 raise NotLiteral("too long")
             if step.name == "STOP":
-                return _unmarked(stack.pop())
-            _follow(step.name, argument, stack, memo)
+                return _refuse_mark(stack.pop())
+            _execute_opcode(step.name, argument, stack, memo)
     except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
         raise NotLiteral(str(error)) from error
     raise NotLiteral("no end")
 
 
-def _follow(name: str, argument: Any, stack: list[Any], memo: dict[int, Any]) -> None:
+def _execute_opcode(name: str, argument: Any, stack: list[Any], memo: dict[int, Any]) -> None:
     if name in VALUE_OPCODES:
         stack.append(argument)
     elif name in CONSTANT_OPCODES:
@@ -59,37 +59,37 @@ def _follow(name: str, argument: Any, stack: list[Any], memo: dict[int, Any]) ->
     elif name == "MARK":
         stack.append(STACK_MARK)
     elif name in ("PUT", "BINPUT", "LONG_BINPUT", "MEMOIZE"):
-        memo[len(memo) if name == "MEMOIZE" else int(argument)] = _unmarked(stack[-1])
+        memo[len(memo) if name == "MEMOIZE" else int(argument)] = _refuse_mark(stack[-1])
     elif name in ("GET", "BINGET", "LONG_BINGET"):
         stack.append(memo[int(argument)])
     else:
-        _gather(name, stack)
+        _execute_collecting_opcode(name, stack)
 
 
-def _unmarked(item: Any) -> Any:
+def _refuse_mark(item: Any) -> Any:
     """A thing that a literal may hold: no mark."""
     if item is STACK_MARK:
         raise NotLiteral("a mark where a value is expected")
     return item
 
 
-def _gather(name: str, stack: list[Any]) -> None:
+def _execute_collecting_opcode(name: str, stack: list[Any]) -> None:
     """Steps that take things off the stack and put one thing back."""
     if name in ("TUPLE1", "TUPLE2", "TUPLE3"):
         count = int(name[-1])
-        stack[-count:] = [tuple(map(_unmarked, stack[-count:]))]
+        stack[-count:] = [tuple(map(_refuse_mark, stack[-count:]))]
     elif name == "APPEND":
-        stack[-2].append(_unmarked(stack.pop()))
+        stack[-2].append(_refuse_mark(stack.pop()))
     elif name == "SETITEM":
-        value, key = _unmarked(stack.pop()), _unmarked(stack.pop())
+        value, key = _refuse_mark(stack.pop()), _refuse_mark(stack.pop())
         stack[-1][key] = value
     elif name in ("TUPLE", "LIST", "DICT", "APPENDS", "SETITEMS"):
-        _from_mark(name, stack)
+        _collect_from_mark(name, stack)
     else:
         raise NotLiteral(f"step {name}")
 
 
-def _from_mark(name: str, stack: list[Any]) -> None:
+def _collect_from_mark(name: str, stack: list[Any]) -> None:
     marks = [i for i, item in enumerate(stack) if item is STACK_MARK]
     if not marks:
         raise NotLiteral(f"step {name} without a mark")

@@ -72,23 +72,23 @@ def build_table(
     for i, column in enumerate(columns):
         if (*column, "likelihood") in place:
             likelihood[:, i] = values[:, place[(*column, "likelihood")]]
-    _check_pixels(path, xy, lines)
+    _check_coordinate_size(path, xy, lines)
     _check_likelihood(path, likelihood, lines)
-    return Table(columns, frame, *_cleaned(xy, likelihood))
+    return Table(columns, frame, *_blank_unseen_points(xy, likelihood))
 
 
-def _row(k: int, lines: Sequence[int] | None) -> str:
+def _row_location(k: int, lines: Sequence[int] | None) -> str:
     """Where the k-th row stands: its line in a file of text, else its place among the rows."""
     return f"row {k + 1} of the table" if lines is None else f"row {lines[k]}"
 
 
-def _check_pixels(path: Path, xy: Float, lines: Sequence[int] | None) -> None:
+def _check_coordinate_size(path: Path, xy: Float, lines: Sequence[int] | None) -> None:
     rows = np.nonzero(
         np.any(np.abs(xy) > MAX_COORDINATE_PX, axis=(1, 2)) & np.isfinite(xy).all((1, 2))
     )[0]
     if len(rows):
         k = int(rows[0])
-        raise input_error(path, _row(k, lines), f"{np.abs(xy[k]).max():g}", "pixels")
+        raise input_error(path, _row_location(k, lines), f"{np.abs(xy[k]).max():g}", "pixels")
 
 
 def _check_likelihood(path: Path, likelihood: Float, lines: Sequence[int] | None) -> None:
@@ -96,10 +96,12 @@ def _check_likelihood(path: Path, likelihood: Float, lines: Sequence[int] | None
     if len(rows):
         k = int(rows[0])
         found = f"a likelihood of {np.nanmax(likelihood[k]):g}"
-        raise input_error(path, _row(k, lines), found, "0 to 1", "Divide percentages by 100.")
+        raise input_error(
+            path, _row_location(k, lines), found, "0 to 1", "Divide percentages by 100."
+        )
 
 
-def _cleaned(xy: Float, likelihood: Float) -> tuple[Float, Float]:
+def _blank_unseen_points(xy: Float, likelihood: Float) -> tuple[Float, Float]:
     empty = np.all(xy == 0.0, axis=2) & (likelihood == 0.0)
     seen = np.isfinite(xy).all(axis=2) & ~empty
     xy = np.where(seen[..., None], xy, np.nan)
@@ -122,23 +124,23 @@ def frame_numbers(index: Sequence[str], path: Path, lines: Sequence[int] | None 
     except ValueError:
         numbers = np.array([float(f[-1]) if f else np.nan for f in found])
     else:
-        _check_order(path, numbers, lines)
+        _check_frame_numbers(path, numbers, lines)
     if len(numbers) and np.all(np.isfinite(numbers)) and np.all(np.diff(numbers) > 0):
         return numbers
     return np.arange(len(index), dtype=float)
 
 
-def _check_order(path: Path, numbers: Float, lines: Sequence[int] | None) -> None:
+def _check_frame_numbers(path: Path, numbers: Float, lines: Sequence[int] | None) -> None:
     odd = np.flatnonzero((numbers < 0) | (numbers != np.round(numbers)))
     if len(odd):
         k = int(odd[0])
-        raise input_error(path, _row(k, lines), f"frame {numbers[k]:g}",
+        raise input_error(path, _row_location(k, lines), f"frame {numbers[k]:g}",
                     "whole numbers from 0 on in the first column")  # fmt: skip
     wide = np.flatnonzero(np.diff(numbers) > MAX_GAP_FRAMES)
     if len(wide):
         k = int(wide[0])
         raise input_error(
-            path, _row(k + 1, lines),
+            path, _row_location(k + 1, lines),
             f"frame {numbers[k + 1]:.0f} after {numbers[k]:.0f}",
             f"frames of one trial, at most {MAX_GAP_FRAMES} missing between two of them",
             "Is the frame number a slip of the pen?",
@@ -147,7 +149,7 @@ def _check_order(path: Path, numbers: Float, lines: Sequence[int] | None) -> Non
     if len(back) and np.ptp(numbers) > 0:
         k = int(back[0])
         raise input_error(
-            path, _row(k + 1, lines), f"frame {numbers[k + 1]:g} after {numbers[k]:g}",
+            path, _row_location(k + 1, lines), f"frame {numbers[k + 1]:g} after {numbers[k]:g}",
             "frame numbers that grow from row to row",
             "Sort the rows by their first column and leave each frame once.",
         )  # fmt: skip
@@ -169,10 +171,10 @@ def to_keypoints(
     Raises: InputError where head direction or core centre cannot be had from the parts there are.
     """
     wanted = {part: (bodyparts or {}).get(part, part) for part in PARTS}
-    who, remarks = _individual(table, wanted)
-    found = ((part, _find(table, who, name)) for part, name in wanted.items())
+    who, remarks = _most_seen_individual(table, wanted)
+    found = ((part, _column_index(table, who, name)) for part, name in wanted.items())
     chosen = {part: i for part, i in found if i is not None}
-    _check_parts(path, table, chosen, wanted)
+    _check_required_parts(path, table, chosen, wanted)
     time_s = table.frame / fps
     start, end = part_s
     inside = (time_s >= (start or 0.0) - 1e-9) & (time_s <= (np.inf if end is None else end) + 1e-9)
@@ -186,7 +188,7 @@ def to_keypoints(
     return Keypoints(time_s[inside], tuple(chosen), xy, likelihood, cov, remarks)
 
 
-def _individual(table: Table, wanted: Mapping[str, str]) -> tuple[str, tuple[str, ...]]:
+def _most_seen_individual(table: Table, wanted: Mapping[str, str]) -> tuple[str, tuple[str, ...]]:
     """The animal that carries the wanted parts and is seen most, and a remark on the others."""
     score: dict[str, int] = {}
     for i, (who, part) in enumerate(table.columns):
@@ -201,14 +203,14 @@ def _individual(table: Table, wanted: Mapping[str, str]) -> tuple[str, tuple[str
     return best, (f"'{best}' is taken as the robot; not used: {', '.join(others)}",)
 
 
-def _find(table: Table, who: str, name: str) -> int | None:
+def _column_index(table: Table, who: str, name: str) -> int | None:
     for i, (owner, part) in enumerate(table.columns):
         if f"{owner}/{part}" == name or (part == name and owner in (who, "", "single")):
             return i
     return None
 
 
-def _check_parts(
+def _check_required_parts(
     path: Path, table: Table, chosen: Mapping[str, object], wanted: Mapping[str, str]
 ) -> None:
     core = [part for part in CORE_PARTS if part in chosen]

@@ -112,8 +112,8 @@ def reduced_image(
     height, width = luma.shape
     left, top, right, low = 0, 0, width, height
     if centre is not None:
-        left, right = _range(centre[0], reach_px, width)
-        top, low = _range(centre[1], reach_px, height)
+        left, right = _clipped_pixel_range(centre[0], reach_px, width)
+        top, low = _clipped_pixel_range(centre[1], reach_px, height)
     f = arena.factor
     left, top = left // f * f, top // f * f
     window = slice(top, low), slice(left, right)
@@ -130,7 +130,7 @@ def reduced_image(
     return ReducedImage(change, depth, np.array([f, left / f, top / f]))
 
 
-def _range(middle: float, reach: float, size: int) -> tuple[int, int]:
+def _clipped_pixel_range(middle: float, reach: float, size: int) -> tuple[int, int]:
     first = int(min(max(middle - reach, 0), max(size - 8, 0)))
     return first, int(min(max(middle + reach, first + 8), size))
 
@@ -158,13 +158,15 @@ def find_blobs(picture: ReducedImage, arena: BackgroundModel) -> list[Blob]:
         ):
             continue
         own = labels[y : y + h, x : x + w] == i
-        blob = _blob(own, smooth[y : y + h, x : x + w], np.array([x, y], float), picture)
+        blob = _blob_of_component(
+            own, smooth[y : y + h, x : x + w], np.array([x, y], float), picture
+        )
         if blob is not None:
             found.append(blob)
     return sorted(found, key=lambda one: -one.change * one.area)
 
 
-def _blob(
+def _blob_of_component(
     own: npt.NDArray[np.bool_], change: Image32, corner: Float, picture: ReducedImage
 ) -> Blob | None:
     """Midline of a connected component: centroids of its pixels at equal distance from one end."""

@@ -28,7 +28,9 @@ def body_distance(one: Track, other: Track, shape: BendingTemplate) -> float:
     return float(np.hypot(*(a - b)[:2])) / shape.length_bl
 
 
-def doubt_among_others(target: Track, others: Sequence[Track], shape: BendingTemplate) -> None:
+def record_possible_exchange(
+    target: Track, others: Sequence[Track], shape: BendingTemplate
+) -> None:
     """Record the time from which the target may have been exchanged for another body.
 
     That is the case if another body is near and the target is poorly seen, jumps, or shares its
@@ -42,15 +44,15 @@ def doubt_among_others(target: Track, others: Sequence[Track], shape: BendingTem
     sure = (
         one is not None
         and bool(known)
-        and well_seen(one)
-        and not jumps(one, known[-1], shape)
-        and not any(_same(one, body, shape) for body in others)
+        and is_well_seen(one)
+        and not is_jump(one, known[-1], shape)
+        and not any(_is_same_body(one, body, shape) for body in others)
     )
     if not sure:
         target.doubtful_s = min(target.doubtful_s, target.times[-1])
 
 
-def doubt_alone(target: Track, shape: BendingTemplate) -> None:
+def record_doubtful_jump(target: Track, shape: BendingTemplate) -> None:
     """Add the last frame to `unsure` if a body alone jumps to a place where it is not certain.
 
     A jump from the last certain frame is certain if that is the frame before and the body is well
@@ -63,26 +65,26 @@ def doubt_alone(target: Track, shape: BendingTemplate) -> None:
     before = target.fits[last] if last >= 0 else None
     if one is None or before is None:
         return
-    turned = last == i - 1 and well_seen(one)
+    turned = last == i - 1 and is_well_seen(one)
     recent = target.fits[-RECOVERY_FRAMES:]
     recovered = i - last >= RECOVERY_FRAMES and all(fit is not None for fit in recent)
-    if jumps(one, before, shape) and not (turned or recovered):
+    if is_jump(one, before, shape) and not (turned or recovered):
         target.unsure.add(i)
 
 
-def well_seen(one: Fit) -> bool:
+def is_well_seen(one: Fit) -> bool:
     """Whether enough of a body is in sight and explained by the template."""
     return one.support[4] > MIN_VISIBLE_SHARE and one.support_score > MIN_SAME_SCORE
 
 
-def jumps(one: Fit, before: Fit, shape: BendingTemplate) -> bool:
+def is_jump(one: Fit, before: Fit, shape: BendingTemplate) -> bool:
     """Whether a body turns or moves from one fit to another by more than between two frames."""
     moved = math.hypot(*(one.pose - before.pose)[:2])
     turned = abs(math.remainder(one.pose[2] - before.pose[2], 2 * math.pi))
     return turned > MAX_TURN_RAD or moved > MAX_MOVE_LENGTHS * shape.length_bl
 
 
-def _same(one: Fit, body: Track, shape: BendingTemplate) -> bool:
+def _is_same_body(one: Fit, body: Track, shape: BendingTemplate) -> bool:
     """Whether another body's midline lies on this one's."""
     other = body.last()
     if other is None:

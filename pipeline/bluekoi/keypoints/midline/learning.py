@@ -47,7 +47,7 @@ def learn_template(
     """
     seen = [(picture, blob) for luma in samples for picture in [reduced_image(luma, arena)]
             for blob in find_blobs(picture, arena)]  # fmt: skip
-    seen = _usual_blobs(seen)[:MAX_BODIES]
+    seen = _typical_blobs(seen)[:MAX_BODIES]
     if len(seen) < 2:
         return None
     px_per_bl = arena.plane.px_per_bl
@@ -56,20 +56,20 @@ def learn_template(
     half = 1.1 * area / length + 1.5 * arena.factor / px_per_bl
     shape = BendingTemplate(length, half, np.zeros((STATIONS_ALONG, STATIONS_ACROSS)), arena.skin)
     pairs = [(p, poses[0]) for p, b in seen if (poses := candidate_poses(b, arena.plane, length))]
-    shape = _averaged(shape, pairs, arena)
+    shape = _with_median_coverage(shape, pairs, arena)
     for turn in range(LEARNING_ROUNDS):
-        fits = [(p, *_best(p, shape, arena, pose, turned=turn == 0)) for p, pose in pairs]
+        fits = [(p, *_best_fit(p, shape, arena, pose, turned=turn == 0)) for p, pose in pairs]
         pairs = [(p, pose) for p, pose, support in fits if support > MIN_SUPPORT]
         if len(pairs) < 2:
             return None
-        shape = _averaged(shape, pairs, arena)
+        shape = _with_median_coverage(shape, pairs, arena)
         if turn < LEARNING_ROUNDS - 1:
-            shape, pairs = _rescaled(shape, pairs, arena)
+            shape, pairs = _rescale_to_body_ends(shape, pairs, arena)
     last = [fit_to_image(picture, shape, arena, pose) for picture, pose in pairs]
     return shape, np.array([one[0] for one in last]), np.array([one[3][3] for one in last])
 
 
-def _best(
+def _best_fit(
     picture: ReducedImage,
     shape: BendingTemplate,
     arena: BackgroundModel,
@@ -90,19 +90,19 @@ def reversed_pose(pose: Float, shape: BendingTemplate) -> Float:
     return pose_from_midline(line, shape.length_bl)
 
 
-def _rescaled(
+def _rescale_to_body_ends(
     shape: BendingTemplate, pairs: Sequence[tuple[ReducedImage, Float]], arena: BackgroundModel
 ) -> tuple[BendingTemplate, list[tuple[ReducedImage, Float]]]:
     """The shape with nose and tail tip at arcs 0 and 1, and the poses that go with it."""
-    nose, tip = _ends(shape.cover)
+    nose, tip = _nose_and_tail_arcs(shape.cover)
     length = shape.length_bl * (tip - nose)
     arc = np.linspace(nose, tip, STATIONS_ALONG)
     poses = [pose_from_midline(midline(pose, shape.length_bl, arc)[0], length) for _, pose in pairs]
     renewed = [(picture, pose) for (picture, _), pose in zip(pairs, poses, strict=True)]
-    return _averaged(replace(shape, length_bl=length), renewed, arena), renewed
+    return _with_median_coverage(replace(shape, length_bl=length), renewed, arena), renewed
 
 
-def _usual_blobs(seen: list[tuple[ReducedImage, Blob]]) -> list[tuple[ReducedImage, Blob]]:
+def _typical_blobs(seen: list[tuple[ReducedImage, Blob]]) -> list[tuple[ReducedImage, Blob]]:
     """Those of the usual length and thickness, spread over the pictures."""
     if not seen:
         return []
@@ -128,7 +128,7 @@ def fit_to_image(
     return fit_pose(seen, shape.tables, shape.size, pose, tolerance)
 
 
-def _averaged(
+def _with_median_coverage(
     shape: BendingTemplate, fits: Sequence[tuple[ReducedImage, Float]], arena: BackgroundModel
 ) -> BendingTemplate:
     """Shape whose coverage is the median over fits and both sides."""
@@ -146,7 +146,7 @@ def _averaged(
     return replace(shape, cover=cover * np.clip(6 * (1 - edge), 0, 1))
 
 
-def _ends(cover: Float) -> tuple[float, float]:
+def _nose_and_tail_arcs(cover: Float) -> tuple[float, float]:
     """Arcs of nose and tail tip: half the coverage on the axis of the head, of the tail."""
     arc, middle = station_arcs(), STATIONS_ACROSS // 2
     axis = cover[:, middle - 1 : middle + 2].mean(axis=1)
@@ -154,11 +154,13 @@ def _ends(cover: Float) -> tuple[float, float]:
     tail = 0.5 * float(axis[(arc > TAIL_ARC_RANGE[0]) & (arc < TAIL_ARC_RANGE[1])].mean())
     front = int(np.argmax(axis > head))
     rear = STATIONS_ALONG - 1 - int(np.argmax(axis[::-1] > tail))
-    nose = _crossing(arc, axis, front - 1, head) if front else -END_MARGIN
-    tip = _crossing(arc, axis, rear, tail) if rear < STATIONS_ALONG - 1 else 1 + END_MARGIN
+    nose = _level_crossing_arc(arc, axis, front - 1, head) if front else -END_MARGIN
+    tip = (
+        _level_crossing_arc(arc, axis, rear, tail) if rear < STATIONS_ALONG - 1 else 1 + END_MARGIN
+    )
     return nose, tip
 
 
-def _crossing(arc: Float, values: Float, k: int, level: float) -> float:
+def _level_crossing_arc(arc: Float, values: Float, k: int, level: float) -> float:
     share = (level - values[k]) / (values[k + 1] - values[k])
     return float(arc[k] + share * (arc[k + 1] - arc[k]))

@@ -164,7 +164,7 @@ def straightened_image(
 
 
 @njit(cache=True, error_model="numpy")
-def _row(
+def _write_pose_derivatives(
     row: Float, force: tuple[float, float, float], at: tuple[Float, Float, float], slopes: Float
 ) -> None:
     """Write d change / d pose, in body axes, of one sample.
@@ -183,7 +183,7 @@ def _row(
 
 
 @njit(cache=True, error_model="numpy")
-def _add_station(score: Float, side: Float, meat: Float) -> None:
+def _add_station_score(score: Float, side: Float, meat: Float) -> None:
     """Add a station's score to the side, its outer product to `meat`; the score is 0 again."""
     for i in range(len(score)):
         side[i] += score[i]
@@ -194,7 +194,7 @@ def _add_station(score: Float, side: Float, meat: Float) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def _equations(
+def _scoring_equations(
     seen: tuple[Float, Float],
     line: tuple[Float, Float, Float],
     tables: tuple[Float, Float, Float, Float],
@@ -234,12 +234,12 @@ def _equations(
             across = gain * depth[k, a] * across_slope[k, a]
             turned = along * half * (2.0 * a / (STATIONS_ACROSS - 1) - 1.0)
             force = (along * hc - across * hs, along * hs + across * hc, turned)
-            _row(row, force, (away, bend[k], pose[2]), slopes[k])
+            _write_pose_derivatives(row, force, (away, bend[k], pose[2]), slopes[k])
             for i in range(count):
                 score[i] += weight * residual * row[i]
                 for j in range(i + 1):
                     information[i, j] += weight * row[i] * row[j]
-        _add_station(score, side, meat)
+        _add_station_score(score, side, meat)
     for i in range(count):
         for j in range(i):
             information[j, i] = information[i, j]
@@ -252,7 +252,7 @@ def _equations(
 
 
 @njit(cache=True, error_model="numpy")
-def _step(information: Float, side: Float, pose: Float) -> Float:
+def _limited_scoring_step(information: Float, side: Float, pose: Float) -> Float:
     """Change of the pose in body axes; bending tied to none, the more the higher its order."""
     normal, right = information.copy(), side.copy()
     tie = BEND_INFORMATION * information[2, 2]
@@ -285,10 +285,10 @@ def fit_pose(
         line = station_positions(pose, size, tables[0])
         seen = straightened_image(picture, pose, line, size)
         how = (pose, size[1], gain, tolerance)
-        information, side, meat, support, found = _equations(seen, line, tables, how)
+        information, side, meat, support, found = _scoring_equations(seen, line, tables, how)
         if settled or turn == MAX_ITERATIONS or support[4] < MIN_SEEN_SHARE:
             break
-        step = _step(information, side, pose)
+        step = _limited_scoring_step(information, side, pose)
         c, s = math.cos(pose[2]), math.sin(pose[2])
         pose[0] += c * step[0] - s * step[1]
         pose[1] += s * step[0] + c * step[1]

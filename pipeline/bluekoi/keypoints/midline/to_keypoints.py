@@ -30,7 +30,7 @@ VARIANCE_INFLATION = 3.0
 correlated. Measured on rendered bodies (tests)."""
 TAIL_SUPPORT_RANGE, SEEN_SHARE_RANGE = (0.0, 0.55), (0.4, 0.8)
 DOUBTFUL_LIKELIHOOD = 0.5
-BACKWARDS_SHARE = -0.3
+BACKWARDS_MOTION_SHARE = -0.3
 MAX_JUMP_LENGTHS, MAX_JUMP_RAD = 0.25, 1.0
 THIRDS_OF_KEYPOINT = np.array([[1, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 1, 1]], dtype=bool)
 
@@ -65,10 +65,10 @@ def keypoints_from_fits(
     remarks: list[str] = []
     if known:
         where, fits = [i for i, _ in known], [one for _, one in known]
-        backwards = _forward_share(fits, shape) < BACKWARDS_SHARE
+        backwards = _forward_motion_share(fits, shape) < BACKWARDS_MOTION_SHARE
         arc = 1 - arc if backwards else arc
-        xy[where], cov[where] = _points(fits, arena, shape, arc)
-        each = np.array([_likelihood(one, backwards=backwards) for one in fits])
+        xy[where], cov[where] = _pixels_and_covariances(fits, arena, shape, arc)
+        each = np.array([_keypoint_likelihoods(one, backwards=backwards) for one in fits])
         poses = [one.pose if one else None for one in track.fits]
         jumps = jump_factors(times, poses, MAX_JUMP_LENGTHS * shape.length_bl, MAX_JUMP_RAD)
         likelihood[where] = each * jumps[where, None]
@@ -86,7 +86,7 @@ def keypoints_from_fits(
     return Keypoints(np.array(times), PARTS, xy, likelihood, cov, tuple(remarks))
 
 
-def _forward_share(fits: Sequence[Fit], shape: BendingTemplate) -> float:
+def _forward_motion_share(fits: Sequence[Fit], shape: BendingTemplate) -> float:
     """How far the body moved towards its nose, as a share of its way; 0 where it hardly moved."""
     pose = np.array([one.pose for one in fits])
     step = np.diff(pose[:, :2], axis=0)
@@ -95,7 +95,7 @@ def _forward_share(fits: Sequence[Fit], shape: BendingTemplate) -> float:
     return float(np.sum(step * nose)) / way if way > shape.length_bl else 0.0
 
 
-def _points(
+def _pixels_and_covariances(
     fits: Sequence[Fit], arena: BackgroundModel, shape: BendingTemplate, arc: Float
 ) -> tuple[Float, Float]:
     """Pixels (n, 5, 2) and covariances (n, 5, 2, 2) of fits."""
@@ -104,7 +104,7 @@ def _points(
                                 [one.meat for one in fits], axis=0)  # fmt: skip
     xy, cov = np.empty((len(fits), len(arc), 2)), np.empty((len(fits), len(arc), 2, 2))
     for i, one in enumerate(fits):
-        place, slope = _at(one, shape, bend, arc)
+        place, slope = _positions_and_pose_slopes(one, shape, bend, arc)
         xy[i] = arena.plane.pixels(place)
         ridge = 1e-3 * np.diag(np.diag(one.information))
         gain = np.linalg.pinv(one.information + ridge)
@@ -126,7 +126,9 @@ def _points(
     return xy, cov
 
 
-def _at(one: Fit, shape: BendingTemplate, bend: Float, arc: Float) -> tuple[Float, Float]:
+def _positions_and_pose_slopes(
+    one: Fit, shape: BendingTemplate, bend: Float, arc: Float
+) -> tuple[Float, Float]:
     """Places (5, 2) and slopes (5, 2, 3 + BEND_TERMS) of arcs by the pose in body axes."""
     place, _, by_bend = station_positions(one.pose, shape.size, bend)
     at = station_arcs()
@@ -141,7 +143,7 @@ def _at(one: Fit, shape: BendingTemplate, bend: Float, arc: Float) -> tuple[Floa
     return found[:, :2], slope
 
 
-def _likelihood(one: Fit, *, backwards: bool) -> Float:
+def _keypoint_likelihoods(one: Fit, *, backwards: bool) -> Float:
     """Likelihood (5,) from how much of the picture about each third the body explains."""
     head, core, tail, whole, seen, *visible = one.support
     if backwards:

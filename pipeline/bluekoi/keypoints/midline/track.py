@@ -10,7 +10,7 @@ import numpy as np
 from ...data import Float
 from .midline_fit import MIN_SEEN_SHARE
 
-LOST_FRAMES, TYPICAL_SCORE_FRAMES = 8, 25
+LOST_AFTER_FRAMES, TYPICAL_SCORE_FRAMES = 8, 25
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Track:
     @property
     def recent_fits(self) -> list[tuple[float, Fit]]:
         """The last two fits with their times, of the last frames."""
-        recent = zip(self.times[-LOST_FRAMES:], self.fits[-LOST_FRAMES:], strict=True)
+        recent = zip(self.times[-LOST_AFTER_FRAMES:], self.fits[-LOST_AFTER_FRAMES:], strict=True)
         return [(t, one) for t, one in recent if one is not None][-2:]
 
     @property

@@ -15,10 +15,15 @@ import numpy as np
 from ...data import Float, Frame
 from ..outline.background import Image
 from .blobs import BackgroundModel, Blob, ReducedImage, candidate_poses, find_blobs, reduced_image
-from .identity import MAX_SEARCH_RADIUS_LENGTHS, body_distance, doubt_alone, doubt_among_others
+from .identity import (
+    MAX_SEARCH_RADIUS_LENGTHS,
+    body_distance,
+    record_doubtful_jump,
+    record_possible_exchange,
+)
 from .learning import fit_to_image
 from .midline_fit import BEND_TERMS, MIN_SEEN_SHARE, STATIONS_ACROSS, BendingTemplate, midline
-from .track import LOST_FRAMES, Fit, Track
+from .track import LOST_AFTER_FRAMES, Fit, Track
 
 MIN_SUPPORT, MAX_SCORE_DROP = 0.5, 0.05
 TURN_COST_PER_RAD, MOVE_COST_PER_LENGTH = 0.1, 0.1
@@ -49,28 +54,28 @@ def track_body(
     for frame in film:
         times.append(frame.time_s)
         if target.last() is None:
-            target.add(frame.time_s, _first(frame.luma, arena, shape, start_px))
+            target.add(frame.time_s, _first_fit(frame.luma, arena, shape, start_px))
             if several and target.last() is None:
                 target.doubtful_s = min(target.doubtful_s, frame.time_s)
         else:
-            _step(frame, [target, *others], arena, shape)
+            _track_next_frame(frame, [target, *others], arena, shape)
             if several:
-                doubt_among_others(target, others, shape)
+                record_possible_exchange(target, others, shape)
             else:
-                doubt_alone(target, shape)
+                record_doubtful_jump(target, shape)
         if several and target.last() is not None:
             others = [
                 body
                 for body in others
-                if body.frames_since_seen <= LOST_FRAMES
+                if body.frames_since_seen <= LOST_AFTER_FRAMES
                 and body_distance(body, target, shape) < TRACKED_RADIUS_LENGTHS
             ]
             if not target.frames_since_seen:
-                others += _born(frame, [target, *others], arena, shape)
+                others += _new_tracks(frame, [target, *others], arena, shape)
     return times, target
 
 
-def _first(
+def _first_fit(
     luma: Image, arena: BackgroundModel, shape: BendingTemplate, start_px: Float | None
 ) -> Fit | None:
     """The body at `start_px`, or else the best-fitting one.
@@ -79,7 +84,7 @@ def _first(
     because a blob may consist of two bodies that touch.
     """
     picture = reduced_image(luma, arena)
-    found = [_best(picture, blob, arena, shape) for blob in find_blobs(picture, arena)]
+    found = [_best_fit_to_blob(picture, blob, arena, shape) for blob in find_blobs(picture, arena)]
     good = [one for one in found if one is not None and one.support_score > MIN_SUPPORT]
     if start_px is not None:
         place = arena.plane.body_lengths(start_px[None])[0]
@@ -90,18 +95,19 @@ def _first(
         good = [
             one
             for one in good
-            if _off_midline(one, place, shape) < START_TOLERANCE_LENGTHS * shape.length_bl
+            if _distance_to_midline_bl(one, place, shape)
+            < START_TOLERANCE_LENGTHS * shape.length_bl
         ]
     return max(good, key=lambda one: one.support_score, default=None)
 
 
-def _off_midline(one: Fit, place: Float, shape: BendingTemplate) -> float:
+def _distance_to_midline_bl(one: Fit, place: Float, shape: BendingTemplate) -> float:
     """Distance of a place from a body's midline, body lengths."""
     line, _ = midline(one.pose, shape.length_bl, np.linspace(0, 1, 21))
     return float(np.hypot(*(line - place).T).min())
 
 
-def _best(
+def _best_fit_to_blob(
     picture: ReducedImage, blob: Blob, arena: BackgroundModel, shape: BendingTemplate
 ) -> Fit | None:
     fits = [Fit(*fit_to_image(picture, shape, arena, pose))
@@ -109,26 +115,29 @@ def _best(
     return max(fits, key=lambda one: one.support_score, default=None)
 
 
-def _step(
+def _track_next_frame(
     frame: Frame, bodies: Sequence[Track], arena: BackgroundModel, shape: BendingTemplate
 ) -> None:
     """Fit all bodies to the next frame; a second time if bodies are near each other."""
     expected = [body.predicted(frame.time_s) for body in bodies]
     found = [
-        _fit(frame.luma, k, bodies, expected, arena=arena, shape=shape) for k in range(len(bodies))
+        _fit_body(frame.luma, k, bodies, expected, arena=arena, shape=shape)
+        for k in range(len(bodies))
     ]
     if len(bodies) > 1:
         places = [one.pose if one else where for one, where in zip(found, expected, strict=True)]
-        near = [_neighbours(k, places, shape) for k in range(len(bodies))]
+        near = [_neighbour_poses(k, places, shape) for k in range(len(bodies))]
         found = [
-            _fit(frame.luma, k, bodies, places, arena=arena, shape=shape) if near[k] else found[k]
+            _fit_body(frame.luma, k, bodies, places, arena=arena, shape=shape)
+            if near[k]
+            else found[k]
             for k in range(len(bodies))
         ]
     for body, one in zip(bodies, found, strict=True):
         body.add(frame.time_s, one)
 
 
-def _neighbours(k: int, places: Sequence[Float | None], shape: BendingTemplate) -> list[Float]:
+def _neighbour_poses(k: int, places: Sequence[Float | None], shape: BendingTemplate) -> list[Float]:
     """Poses of the bodies near the k-th."""
     own = places[k]
     return [
@@ -141,7 +150,7 @@ def _neighbours(k: int, places: Sequence[Float | None], shape: BendingTemplate) 
     ]
 
 
-def _fit(
+def _fit_body(
     luma: Image,
     k: int,
     bodies: Sequence[Track],
@@ -163,25 +172,27 @@ def _fit(
     )
     middle = arena.plane.pixels(expected[None, :2])[0]
     picture = reduced_image(luma, arena, middle, reach + 0.5 * arena.length_px)
-    near = _neighbours(k, places, shape)
+    near = _neighbour_poses(k, places, shape)
     if near:
-        picture = _without(picture, near, arena, shape)
+        picture = _mask_other_bodies(picture, near, arena, shape)
     tried = [Fit(*fit_to_image(picture, shape, arena, expected))]
     if (
         tried[0].support_score < body.typical_score - MAX_SCORE_DROP
-        or _moved(tried[0], expected) > 0.15 * shape.length_bl
+        or _distance_from_expected_bl(tried[0], expected) > 0.15 * shape.length_bl
     ):
-        starts = [last, *_starts(picture, arena, shape)]
+        starts = [last, *_starting_poses(picture, arena, shape)]
         tried += [Fit(*fit_to_image(picture, shape, arena, pose)) for pose in starts]
-    best = max(tried, key=lambda one: _score(one, expected, shape))
-    far = _moved(best, expected) > reach / arena.length_px * shape.length_bl
+    best = max(tried, key=lambda one: _penalised_score(one, expected, shape))
+    far = _distance_from_expected_bl(best, expected) > reach / arena.length_px * shape.length_bl
     if far or best.support[3] < MIN_SUPPORT or best.support[4] < MIN_SEEN_SHARE:
         return None
     best.pose[2] += 2 * math.pi * round((expected[2] - best.pose[2]) / (2 * math.pi))
     return best
 
 
-def _starts(picture: ReducedImage, arena: BackgroundModel, shape: BendingTemplate) -> list[Float]:
+def _starting_poses(
+    picture: ReducedImage, arena: BackgroundModel, shape: BendingTemplate
+) -> list[Float]:
     """Starting poses from the blobs of a body's size."""
     return [
         pose
@@ -190,21 +201,21 @@ def _starts(picture: ReducedImage, arena: BackgroundModel, shape: BendingTemplat
     ]
 
 
-def _moved(one: Fit, expected: Float) -> float:
+def _distance_from_expected_bl(one: Fit, expected: Float) -> float:
     return math.hypot(*(one.pose - expected)[:2])
 
 
-def _score(one: Fit, expected: Float, shape: BendingTemplate) -> float:
+def _penalised_score(one: Fit, expected: Float, shape: BendingTemplate) -> float:
     """Support score minus penalties for a turn and a move away from the expected pose."""
     turn = abs(math.remainder(one.pose[2] - expected[2], 2 * math.pi))
     return (
         one.support_score
         - TURN_COST_PER_RAD * turn
-        - MOVE_COST_PER_LENGTH * _moved(one, expected) / shape.length_bl
+        - MOVE_COST_PER_LENGTH * _distance_from_expected_bl(one, expected) / shape.length_bl
     )
 
 
-def _without(
+def _mask_other_bodies(
     picture: ReducedImage, poses: Sequence[Float], arena: BackgroundModel, shape: BendingTemplate
 ) -> ReducedImage:
     """The reduced image; pixels that other bodies cover get depth NaN."""
@@ -221,7 +232,7 @@ def _without(
     return ReducedImage(picture.change, depth, picture.place)
 
 
-def _born(
+def _new_tracks(
     frame: Frame, bodies: Sequence[Track], arena: BackgroundModel, shape: BendingTemplate
 ) -> list[Track]:
     """Bodies near the first one, which is seen, that are not followed yet."""
@@ -231,11 +242,11 @@ def _born(
     middle = arena.plane.pixels(around[None, :2])[0]
     picture = reduced_image(frame.luma, arena, middle, TRACKED_RADIUS_LENGTHS * arena.length_px)
     poses = [pose for body in bodies if (pose := body.last()) is not None]
-    free = _without(picture, poses, arena, shape)
+    free = _mask_other_bodies(picture, poses, arena, shape)
     free.change[np.isnan(free.depth)] = 0.0
     new = []
     for blob in find_blobs(ReducedImage(free.change, picture.depth, free.place), arena):
-        one = _best(picture, blob, arena, shape)
+        one = _best_fit_to_blob(picture, blob, arena, shape)
         if one is not None and one.support_score > MIN_NEW_TRACK_SCORE:
             track = Track()
             track.add(frame.time_s, one)

@@ -30,7 +30,7 @@ def absence_reason(images: Sequence[Image], plane: Plane, length_bl: float) -> s
         )
     floor = median_image(images)
     level = max(MIN_LEVEL_GREY_LEVELS, LEVEL_NOISE_STDS * noise_level(images, floor))
-    seen = [_things(image, floor, level, plane) for image in images]
+    seen = [_contrast_and_extents_px(image, floor, level, plane) for image in images]
     most = max(contrast for contrast, _ in seen)
     if most < level:
         return (
@@ -38,10 +38,10 @@ def absence_reason(images: Sequence[Image], plane: Plane, length_bl: float) -> s
             f"{level:.0f} are needed: the robot must move between the frames and be darker or "
             "brighter than the floor"
         )
-    return _by_size([extents for _, extents in seen], stated)
+    return _compare_extents_with_stated([extents for _, extents in seen], stated)
 
 
-def _by_size(seen: Sequence[npt.NDArray[np.float64]], stated: float) -> str:
+def _compare_extents_with_stated(seen: Sequence[npt.NDArray[np.float64]], stated: float) -> str:
     """What the extents [px] of the things in each picture say against the stated length."""
     fitting = [
         int(np.sum((own > EXTENT_RATIO_RANGE[0] * stated) & (own < EXTENT_RATIO_RANGE[1] * stated)))
@@ -65,7 +65,7 @@ def _by_size(seen: Sequence[npt.NDArray[np.float64]], stated: float) -> str:
     )
 
 
-def _things(
+def _contrast_and_extents_px(
     image: Image, floor: Image, level: float, plane: Plane
 ) -> tuple[float, npt.NDArray[np.float64]]:
     """Greatest contrast in the pool, and the extents [px] of what differs by more than a level."""

@@ -23,20 +23,20 @@ def sample_frames(film: Iterable[Frame], count: int) -> list[Frame]:
     """
     jump = getattr(film, "spread", None)
     if jump is not None:
-        return [_copied(frame) for frame in jump(count)]
+        return [_with_copied_luma(frame) for frame in jump(count)]
     kept: list[Frame] = []
     step = 1
     for i, frame in enumerate(film):
         if i % step:
             continue
-        kept.append(_copied(frame))
+        kept.append(_with_copied_luma(frame))
         if len(kept) > 2 * count:
             kept, step = kept[::2], step * 2
     places = np.unique(np.linspace(0, len(kept) - 1, min(count, len(kept))).round().astype(int))
     return [kept[i] for i in places] if kept else []
 
 
-def _copied(frame: Frame) -> Frame:
+def _with_copied_luma(frame: Frame) -> Frame:
     return Frame(frame.index, frame.time_s, np.array(frame.luma))
 
 
@@ -59,12 +59,12 @@ def grey_level_quantiles(images: Sequence[Image], *shares: float) -> npt.NDArray
         rows = min(ROWS_PER_STRIP, height - y)
         for own, image in zip(strip, images, strict=True):
             own[:rows] = image[y : y + rows]
-        out[:, y : y + rows] = _sorted(strip)[places, :rows]
+        out[:, y : y + rows] = _sort_along_first_axis(strip)[places, :rows]
     return out
 
 
 @njit(cache=True)
-def _sorted(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+def _sort_along_first_axis(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
     """The stack (n, height, width) itself, sorted along its first axis.
 
     Odd-even transposition sort of whole rows: nothing but minima and maxima.

@@ -66,7 +66,9 @@ def find_blobs(
         )
         contours, _ = cv2.findContours(solid, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         large = sorted((c for c in contours if len(c) > 8), key=cv2.contourArea, reverse=True)[:4]
-        found += [_blob(c, thin, plane, step) for c in large if cv2.contourArea(c) > least]
+        found += [
+            _blob_of_contour(c, thin, plane, step) for c in large if cv2.contourArea(c) > least
+        ]
     known = [blob for blob in found if blob is not None]
     known.sort(key=lambda blob: -abs(blob.contrast))
     return [
@@ -85,15 +87,15 @@ def pool_mask(shape: tuple[int, ...], corners: Float) -> Image:
     return mask
 
 
-def _blob(
+def _blob_of_contour(
     contour: npt.NDArray[np.int32], pictures: tuple[Image, Image], plane: Plane, step: int
 ) -> Blob | None:
     """Blob of a contour, outlined again at half of its own contrast."""
-    x, y, w, h = _wider(cv2.boundingRect(contour), pictures[0].shape)
+    x, y, w, h = _box_with_margin(cv2.boundingRect(contour), pictures[0].shape)
     luma, floor = (image[y : y + h, x : x + w].astype(np.int16) for image in pictures)
     inside = np.zeros((h, w), np.uint8)
     cv2.drawContours(inside, [contour - [x, y]], -1, 1, -1)
-    contrast = _contrast((floor - luma)[inside > 0])
+    contrast = _signed_contrast((floor - luma)[inside > 0])
     if abs(contrast) < 8:
         return None
     solid = ((floor - luma) / contrast > 0.5).astype(np.uint8) & cv2.dilate(
@@ -119,14 +121,16 @@ def _blob(
     )
 
 
-def _wider(box: tuple[int, int, int, int], shape: tuple[int, int]) -> tuple[int, int, int, int]:
+def _box_with_margin(
+    box: tuple[int, int, int, int], shape: tuple[int, int]
+) -> tuple[int, int, int, int]:
     """Box x, y, width, height with a margin, cut to the picture."""
     x, y = max(0, box[0] - 6), max(0, box[1] - 6)
     right, low = min(shape[1], box[0] + box[2] + 6), min(shape[0], box[1] + box[3] + 6)
     return x, y, right - x, low - y
 
 
-def _contrast(change: npt.NDArray[np.int16]) -> float:
+def _signed_contrast(change: npt.NDArray[np.int16]) -> float:
     """Contrast of the body in a blob, of its sign; a shadow beside the body is fainter."""
     sign = 1.0 if np.median(change) >= 0 else -1.0
     return sign * float(np.percentile(sign * change, 80))
@@ -134,10 +138,10 @@ def _contrast(change: npt.NDArray[np.int16]) -> float:
 
 def candidate_poses(blob: Blob, template: Template, head_angle_rad: float) -> list[Float]:
     """Poses (4,) that lay the template over a blob: both ways round, bent as stated or straight."""
-    centre, axis = _axis(blob.outline_bl)
+    centre, axis = _centre_and_long_axis(blob.outline_bl)
     found = []
     for bend in dict.fromkeys((head_angle_rad, 0.0, -head_angle_rad)):
-        own_centre, own_axis = _axis(template.outline(bend))
+        own_centre, own_axis = _centre_and_long_axis(template.outline(bend))
         for way in (0.0, math.pi):
             heading = axis - own_axis + way
             c, s = math.cos(heading), math.sin(heading)
@@ -146,7 +150,7 @@ def candidate_poses(blob: Blob, template: Template, head_angle_rad: float) -> li
     return found
 
 
-def _axis(outline: Float) -> tuple[Float, float]:
+def _centre_and_long_axis(outline: Float) -> tuple[Float, float]:
     """Centre of area (2,) and direction [rad] of the long axis of a closed outline."""
     m = cv2.moments((outline - outline.mean(axis=0)).astype(np.float32))
     centre = np.array([m["m10"], m["m01"]]) / (m["m00"] or 1e-12)

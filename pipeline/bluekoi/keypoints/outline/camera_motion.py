@@ -31,7 +31,7 @@ def corner_shifts(samples: Sequence[Frame], plane: Plane) -> Float:
     found = np.full((len(samples), 4, 2), np.nan)
     far = max(4, round(MAX_SHIFT_SHARE * plane.side_px))
     for k, corner in enumerate(plane.corners_px):
-        patches = [_patch(frame.luma, corner, plane) for frame in samples]
+        patches = [_edge_strength_patch(frame.luma, corner, plane) for frame in samples]
         first = patches[0]
         if first is None:
             continue
@@ -39,28 +39,34 @@ def corner_shifts(samples: Sequence[Frame], plane: Plane) -> Float:
         found[0, k] = 0.0
         for i, patch in enumerate(patches[1:], 1):
             if patch is not None:
-                found[i, k] = _peak(cv2.matchTemplate(patch, template, cv2.TM_CCOEFF_NORMED))
+                found[i, k] = _peak_offset_px(
+                    cv2.matchTemplate(patch, template, cv2.TM_CCOEFF_NORMED)
+                )
     return found
 
 
-def _peak(likeness: npt.NDArray[np.float32]) -> tuple[float, float]:
+def _peak_offset_px(likeness: npt.NDArray[np.float32]) -> tuple[float, float]:
     """Place (u, v) of a map's peak from its middle, to a part of a pixel; NaN without a peak."""
     _, most, _, (u, v) = cv2.minMaxLoc(likeness)
     height, width = likeness.shape
     if most < MIN_CORRELATION or not (0 < u < width - 1 and 0 < v < height - 1):
         return math.nan, math.nan
     along, across = likeness[v, u - 1 : u + 2], likeness[v - 1 : v + 2, u]
-    return u + _top(along) - (width - 1) / 2, v + _top(across) - (height - 1) / 2
+    return u + _parabola_vertex(along) - (width - 1) / 2, v + _parabola_vertex(across) - (
+        height - 1
+    ) / 2
 
 
-def _top(three: npt.NDArray[np.float32]) -> float:
+def _parabola_vertex(three: npt.NDArray[np.float32]) -> float:
     """Where the parabola through three values, the middle one the largest, has its top."""
     before, here, after = three.tolist()
     bend = before - 2 * here + after
     return 0.5 * (before - after) / bend if bend < 0 else 0.0
 
 
-def _patch(luma: Image, corner: Float, plane: Plane) -> npt.NDArray[np.float32] | None:
+def _edge_strength_patch(
+    luma: Image, corner: Float, plane: Plane
+) -> npt.NDArray[np.float32] | None:
     """Strength of the edges about a corner; None where it reaches out of the picture."""
     half = int(PATCH_HALF_SIZE_SHARE * plane.side_px)
     u, v = (round(float(value)) for value in corner)

@@ -17,7 +17,7 @@ from ...data import Float
 from ...vector_width import njit
 
 Image = npt.NDArray[np.uint8]
-Pictures = tuple[Image, Image]
+LumaAndBackground = tuple[Image, Image]
 
 MIN_CONTRAST_GREY_LEVELS = 12.0
 EDGE_HALF_WIDTH_PX = 3
@@ -45,7 +45,7 @@ def interpolate_where(image: Image, places: Float, wanted: npt.NDArray[np.bool_]
 
 @njit(cache=True, error_model="numpy")
 def edge_offset(
-    pictures: Pictures, place: tuple[float, float, float, float], skin: float, lines: Float
+    pictures: LumaAndBackground, place: tuple[float, float, float, float], skin: float, lines: Float
 ) -> float:
     """Offset of the edge along the outward normal [px]; NaN where there is none.
 
@@ -65,9 +65,9 @@ def edge_offset(
         v = place[1] + (k - reach) * place[3]
         seen[k] = interpolate_bilinear(luma, u, v)
         clear[k] = interpolate_bilinear(floor, u, v)
-    at = _step(seen, clear, skin)
-    gain = _gain(seen, clear, at)
-    skin *= _shine(seen, at, skin)
+    at = _best_step_index(seen, clear, skin)
+    gain = _floor_brightness_ratio(seen, clear, at)
+    skin *= _body_brightness_ratio(seen, at, skin)
     total = 0.0
     inner, outer, ends = 0.0, 0.0, 0
     for k in range(at - EDGE_HALF_WIDTH_PX, at + EDGE_HALF_WIDTH_PX + 1):
@@ -89,7 +89,7 @@ def edge_offset(
 
 
 @njit(cache=True, error_model="numpy")
-def _step(seen: Float, clear: Float, skin: float) -> int:
+def _best_step_index(seen: Float, clear: Float, skin: float) -> int:
     """First sample outside, of the step from covered to clear that fits best."""
     count = len(seen)
     cost = 0.0
@@ -110,7 +110,7 @@ def _step(seen: Float, clear: Float, skin: float) -> int:
 
 
 @njit(cache=True, error_model="numpy")
-def _shine(seen: Float, at: int, skin: float) -> float:
+def _body_brightness_ratio(seen: Float, at: int, skin: float) -> float:
     """Brightness of the body just inside against what was learned: the light is on it too."""
     total, count = 0.0, 0
     for k in range(max(0, at - EDGE_HALF_WIDTH_PX - 3), at - EDGE_HALF_WIDTH_PX + 1):
@@ -122,7 +122,7 @@ def _shine(seen: Float, at: int, skin: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _gain(seen: Float, clear: Float, at: int) -> float:
+def _floor_brightness_ratio(seen: Float, clear: Float, at: int) -> float:
     """Brightness of the floor just outside against the background's."""
     a, b = 0.0, 0.0
     for k in range(at + 2, min(at + 6, len(seen))):

@@ -59,16 +59,18 @@ def background_without_robot(outline: LearnedTemplate, scene: Scene) -> Image | 
     fits = outline.samples
     template = outline.template
     masks = [robot_mask(one, scene, template) for _, one in fits]
-    cut = _around([place for place, _ in masks])
+    cut = _bounding_region([place for place, _ in masks])
     often = np.zeros(scene.floor[cut].shape, np.uint8)
     for place, mask in masks:
-        often[_within(place, cut)] += mask
+        often[_relative_region(place, cut)] += mask
     if often.size == 0 or int(often.max()) < 2:
         return None
     floor = scene.floor.copy()
-    for strip in _strips(cut):
+    for strip in _row_strips(cut):
         _write_unhidden_median(
-            np.stack([frame.luma[strip] for frame, _ in fits]), _layers(masks, strip), floor[strip]
+            np.stack([frame.luma[strip] for frame, _ in fits]),
+            _masks_in_strip(masks, strip),
+            floor[strip],
         )
     never = often == len(fits)
     if never.any():
@@ -79,31 +81,31 @@ def background_without_robot(outline: LearnedTemplate, scene: Scene) -> Image | 
     return floor
 
 
-def _around(cuts: Sequence[Region]) -> Region:
+def _bounding_region(cuts: Sequence[Region]) -> Region:
     """The smallest cut that holds all of some."""
     rows, columns = zip(*cuts, strict=True)
-    return _hull(rows), _hull(columns)
+    return _bounding_slice(rows), _bounding_slice(columns)
 
 
-def _hull(ranges: Sequence[slice]) -> slice:
+def _bounding_slice(ranges: Sequence[slice]) -> slice:
     return slice(min(r.start for r in ranges), max(r.stop for r in ranges))
 
 
-def _within(inner: Region, outer: Region) -> Region:
+def _relative_region(inner: Region, outer: Region) -> Region:
     rows, columns = (
         slice(i.start - o.start, i.stop - o.start) for i, o in zip(inner, outer, strict=True)
     )
     return rows, columns
 
 
-def _strips(cut: Region) -> Iterator[Region]:
+def _row_strips(cut: Region) -> Iterator[Region]:
     """A cut in strips of rows: stacks of whole 4K pictures would be 80 MB."""
     rows, columns = cut
     for y in range(rows.start, rows.stop, ROWS_PER_STRIP):
         yield slice(y, min(y + ROWS_PER_STRIP, rows.stop)), columns
 
 
-def _layers(masks: Sequence[tuple[Region, Image]], strip: Region) -> npt.NDArray[np.uint8]:
+def _masks_in_strip(masks: Sequence[tuple[Region, Image]], strip: Region) -> npt.NDArray[np.uint8]:
     """Each mask's part in a strip that is as wide as all of them, (masks, rows, columns)."""
     rows, columns = strip
     layers = np.zeros((len(masks), rows.stop - rows.start, columns.stop - columns.start), np.uint8)
@@ -111,7 +113,7 @@ def _layers(masks: Sequence[tuple[Region, Image]], strip: Region) -> npt.NDArray
         top, low = max(rows.start, place[0].start), min(rows.stop, place[0].stop)
         if top < low:
             own = slice(top, low), place[1]
-            layer[_within(own, strip)] = mask[_within(own, place)]
+            layer[_relative_region(own, strip)] = mask[_relative_region(own, place)]
     return layers
 
 

@@ -56,18 +56,22 @@ def learn_template(
     """
     area = AREA_PER_LENGTH_SQUARED * robot_length_bl(robot, trial) ** 2
     seen = [(f, find_blobs((f.luma, scene.floor), scene.plane, scene.noise, area)) for f in samples]
-    first = _first(seen, robot, trial)
+    first = _template_from_blobs(seen, robot, trial)
     if first is None:
         return None
     candidates: list[LearnedTemplate] = []
     for slides in START_OFFSETS_BL:
         known = generic_template(candidates[-1].template, robot, trial) if candidates else first
         starts = [
-            (f, best) for f, found in seen if (best := _start(f, found, scene, known, slides))
+            (f, best)
+            for f, found in seen
+            if (best := _best_start_fit(f, found, scene, known, slides))
         ]
         if not starts:
             break
-        candidates.append(_refined(_better_half(starts) if candidates else starts, scene, known))
+        candidates.append(
+            _refine_template(_above_median_support(starts) if candidates else starts, scene, known)
+        )
         if candidates[-1].support > GOOD_SUPPORT:
             break
     if not candidates:
@@ -85,20 +89,22 @@ def generic_template(template: Template, robot: Robot, trial: Trial) -> Template
     return replace(generic, half=template.half, core_skin=template.core_skin)
 
 
-def _better_half(fits: list[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
+def _above_median_support(fits: list[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
     """Fits of no less than the median support: where two shapes compete, one of them."""
     support = [min(one.support[:2]) for _, one in fits]
     least = float(np.median(support))
     return [pair for pair, own in zip(fits, support, strict=True) if own >= least]
 
 
-def _refined(starts: list[tuple[Frame, Fit]], scene: Scene, template: Template) -> LearnedTemplate:
+def _refine_template(
+    starts: list[tuple[Frame, Fit]], scene: Scene, template: Template
+) -> LearnedTemplate:
     """LearnedTemplate of fits that start where the robot roughly is."""
     fits = starts
     for size in SEARCH_LENGTHS_BL:
         shape = template.shape()
         reach = search_ranges_px(scene, size, size, size)
-        bend = _common_bend(fits, scene)
+        bend = _common_head_angle_rad(fits, scene)
         fits = [
             (
                 f,
@@ -113,7 +119,7 @@ def _refined(starts: list[tuple[Frame, Fit]], scene: Scene, template: Template) 
             )
             for f, one in fits
         ]
-        kept = _agreeing(fits)
+        kept = _near_best_support(fits)
         template = with_learned_stations(
             template, *measure_stations(kept, scene, template, int(reach[-1]))
         )
@@ -124,23 +130,25 @@ def _refined(starts: list[tuple[Frame, Fit]], scene: Scene, template: Template) 
     ]
     pairs = tuple((frame, one) for (frame, _), one in zip(fits, last, strict=True))
     offsets, _ = measure_stations(
-        _agreeing(pairs), scene, template, int(search_ranges_px(scene, 0.024)[0])
+        _near_best_support(pairs), scene, template, int(search_ranges_px(scene, 0.024)[0])
     )
     template = without_biased_stations(template, offsets * scene.plane.px_per_bl)
     return LearnedTemplate(template, pairs, float(np.median([one.support[2] for one in last])))
 
 
-def _agreeing(fits: Sequence[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
+def _near_best_support(fits: Sequence[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
     """Fits not much worse than the best: a hand's blob must not enter the robot's shape."""
     best = max(one.support[2] for _, one in fits)
     return [(frame, one) for frame, one in fits if one.support[2] > best - 0.3]
 
 
-def _first(seen: Sequence[tuple[Frame, list[Blob]]], robot: Robot, trial: Trial) -> Template | None:
+def _template_from_blobs(
+    seen: Sequence[tuple[Frame, list[Blob]]], robot: Robot, trial: Trial
+) -> Template | None:
     """Generic template of the width of the blobs that could be the robot by length and area."""
     length = robot_length_bl(robot, trial)
     sides = [_strongest_blobs(seen, length, sign) for sign in (1.0, -1.0)]
-    likely = max(sides, key=_evidence)
+    likely = max(sides, key=_same_body_score)
     if not likely:
         return None
     half = float(np.median([b.half_width_bl for b in likely]))
@@ -153,20 +161,20 @@ def _strongest_blobs(
     """From each frame the strongest blob of a sign and of the robot's size."""
     likely = []
     for _, found in seen:
-        fitting = [b for b in found if b.contrast * sign > 0 and _sized(b, length_bl)]
+        fitting = [b for b in found if b.contrast * sign > 0 and _has_robot_size(b, length_bl)]
         likely += sorted(fitting, key=lambda b: -abs(b.contrast) * b.area_bl2)[:1]
     return likely
 
 
-def _sized(blob: Blob, length_bl: float) -> bool:
+def _has_robot_size(blob: Blob, length_bl: float) -> bool:
     return (
         0.05 * length_bl**2 < blob.area_bl2 < 0.5 * length_bl**2
         and 0.03 * length_bl < blob.half_width_bl < 0.25 * length_bl
-        and 0.6 * length_bl < _extent(blob) < 1.7 * length_bl
+        and 0.6 * length_bl < _longest_extent_bl(blob) < 1.7 * length_bl
     )
 
 
-def _evidence(likely: Sequence[Blob]) -> float:
+def _same_body_score(likely: Sequence[Blob]) -> float:
     """How much blobs of several frames look like one body: many, strong, of one grey level."""
     if not likely:
         return 0.0
@@ -175,14 +183,14 @@ def _evidence(likely: Sequence[Blob]) -> float:
     return len(likely) * strength / (5.0 + float(np.std(skins)))
 
 
-def _extent(blob: Blob) -> float:
+def _longest_extent_bl(blob: Blob) -> float:
     """Longest way across a blob, body lengths."""
     angles = np.linspace(0, math.pi, 24, endpoint=False)
     across = blob.outline_bl @ np.stack([np.cos(angles), np.sin(angles)])
     return float(np.ptp(across, axis=0).max())
 
 
-def _start(
+def _best_start_fit(
     frame: Frame, found: list[Blob], scene: Scene, template: Template, slides_bl: Sequence[float]
 ) -> Fit | None:
     """Best coarse fit of the generic template to any likely blob of a frame.
@@ -210,7 +218,7 @@ def _start(
     return max(tried, key=lambda one: one.nearness, default=None)
 
 
-def _common_bend(fits: Sequence[tuple[Frame, Fit]], scene: Scene) -> float:
+def _common_head_angle_rad(fits: Sequence[tuple[Frame, Fit]], scene: Scene) -> float:
     """Head angle of all frames: the servo holds it, so that no single frame may bend the head."""
     bend = float(np.median([one.pose[3] for _, one in fits]))
     return bend if abs(bend - scene.head_angle_rad) < MIN_BEND_RAD else scene.head_angle_rad

@@ -66,14 +66,14 @@ def swimming_plane(setup: Setup) -> Plane:
     """Plane at the keypoints' depth from lens and pool corners; at the marks without a lens."""
     sides = np.array([in_body_lengths(setup.robot, side)
                       for side in (setup.pool.length_m, setup.pool.width_m)])  # fmt: skip
-    xy = _grid(sides, GRID_POINTS_PER_SIDE)
-    uv = _seen(setup, sides, xy)
-    scale_bl, scale_px = _scaling(xy), _scaling(uv)
-    between = _grid(sides, 2 * GRID_POINTS_PER_SIDE)
+    xy = _pool_grid_bl(sides, GRID_POINTS_PER_SIDE)
+    uv = _project_to_pixels(setup, sides, xy)
+    scale_bl, scale_px = _centre_and_half_extent(xy), _centre_and_half_extent(uv)
+    between = _pool_grid_bl(sides, 2 * GRID_POINTS_PER_SIDE)
     between = between[np.all((between > 0) & (between < sides), axis=1)]
-    seen = _seen(setup, sides, between)
+    seen = _project_to_pixels(setup, sides, between)
     for degree in POLYNOMIAL_DEGREES:
-        to_px = _fit(xy, uv, scale_bl, degree)
+        to_px = _fit_polynomial(xy, uv, scale_bl, degree)
         if (
             np.abs(evaluate_polynomial(to_px, scale_bl, between) - seen).max()
             < MAX_POLYNOMIAL_ERROR_PX
@@ -83,7 +83,7 @@ def swimming_plane(setup: Setup) -> Plane:
     ends = evaluate_polynomial(to_px, scale_bl, 0.5 * sides + np.array([[0.0, 0.0], [step, 0.0]]))
     return Plane(
         to_px=to_px,
-        to_bl=_fit(uv, xy, scale_px, degree),
+        to_bl=_fit_polynomial(uv, xy, scale_px, degree),
         scale_bl=scale_bl,
         scale_px=scale_px,
         corners_px=np.array(setup.camera.pool_corners_px, dtype=float),
@@ -91,19 +91,19 @@ def swimming_plane(setup: Setup) -> Plane:
     )
 
 
-def _grid(sides: Float, count: int) -> Float:
+def _pool_grid_bl(sides: Float, count: int) -> Float:
     """Places (count^2, 2) all over the pool and a little beyond, body lengths."""
     shares = np.linspace(-POOL_MARGIN_SHARE, 1 + POOL_MARGIN_SHARE, count)
     return np.stack(np.meshgrid(shares, shares), axis=-1).reshape(-1, 2) * sides
 
 
-def _scaling(points: Float) -> Float:
+def _centre_and_half_extent(points: Float) -> Float:
     """Rows centre and half extent that bring points to [-1, 1]."""
     low, high = points.min(axis=0), points.max(axis=0)
     return np.array([(low + high) / 2, (high - low) / 2])
 
 
-def _fit(source: Float, target: Float, scale: Float, degree: int) -> Float:
+def _fit_polynomial(source: Float, target: Float, scale: Float, degree: int) -> Float:
     """Polynomial coefficients (2, d + 1, d + 1), least squares."""
     scaled = (source - scale[0]) / scale[1]
     powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
@@ -141,7 +141,7 @@ def evaluate_polynomial(coefficients: Float, scale: Float, points: Float) -> Flo
     return out
 
 
-def _seen(setup: Setup, sides: Float, xy: Float) -> Float:
+def _project_to_pixels(setup: Setup, sides: Float, xy: Float) -> Float:
     """Pixels of points (n, 2) [body lengths] at the keypoints' depth; sides (2,) of the pool."""
     camera = setup.camera
     corners = np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) * sides
@@ -150,15 +150,17 @@ def _seen(setup: Setup, sides: Float, xy: Float) -> Float:
         direct = cv2.getPerspectiveTransform(corners.astype(np.float32), marks.astype(np.float32))
         return cv2.perspectiveTransform(xy[:, None], direct)[:, 0]
     marks_bl = in_body_lengths(setup.robot, camera.pool_corners_height_m)
-    turn, shift = _pose(camera, np.column_stack([corners, np.full(4, marks_bl)]), marks)
+    turn, shift = _camera_rotation_and_shift(
+        camera, np.column_stack([corners, np.full(4, marks_bl)]), marks
+    )
     eye = -turn.T @ shift
     depth_bl = in_body_lengths(setup.robot, setup.robot.keypoint_depth_m)
-    surface = _surface(xy, eye[:2], eye[2], (depth_bl, setup.water.refractive_index))
+    surface = _refraction_points(xy, eye[:2], eye[2], (depth_bl, setup.water.refractive_index))
     inside = np.column_stack([surface, np.zeros(len(surface))]) @ turn.T + shift
-    return _lens(camera, inside)
+    return _apply_lens(camera, inside)
 
 
-def _surface(xy: Float, foot: Float, height: float, water: tuple[float, float]) -> Float:
+def _refraction_points(xy: Float, foot: Float, height: float, water: tuple[float, float]) -> Float:
     """Where on the surface (n, 2) the ray from a point at depth leaves towards the camera."""
     depth, index = water
     offset = xy - foot
@@ -172,7 +174,7 @@ def _surface(xy: Float, foot: Float, height: float, water: tuple[float, float]) 
     return foot + offset * (out / reach)[:, None]
 
 
-def _pose(camera: Camera, corners: Float, marks: Float) -> tuple[Float, Float]:
+def _camera_rotation_and_shift(camera: Camera, corners: Float, marks: Float) -> tuple[Float, Float]:
     """Rotation and shift pool to camera from corners (4, 3) and their marks (4, 2) px."""
     matrix, distortion = np.array(camera.matrix), np.array(camera.distortion or (0.0,) * 4)
     straighten = cv2.fisheye.undistortPoints if camera.model == "fisheye" else cv2.undistortPoints
@@ -182,7 +184,7 @@ def _pose(camera: Camera, corners: Float, marks: Float) -> tuple[Float, Float]:
     return cv2.Rodrigues(turn)[0], shift[:, 0]
 
 
-def _lens(camera: Camera, inside: Float) -> Float:
+def _apply_lens(camera: Camera, inside: Float) -> Float:
     """Pixels of points (n, 3) in the camera's axes."""
     matrix, distortion = np.array(camera.matrix), np.array(camera.distortion or (0.0,) * 4)
     none = np.zeros(3)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from ...data import Float
 from ...vector_width import njit
-from .edges import Pictures, edge_offset
+from .edges import LumaAndBackground, edge_offset
 from .plane import horner
 
 OutlineArrays = tuple[Float, Float, npt.NDArray[np.int64], Float]
@@ -34,7 +34,11 @@ def jacobian(coefficients: Float, scale: Float, px: float, py: float) -> Float:
 
 @njit(cache=True, error_model="numpy")
 def measure_edge_offsets(
-    pictures: Pictures, maps: tuple[Float, Float], shape: OutlineArrays, pose: Float, reach: int
+    pictures: LumaAndBackground,
+    maps: tuple[Float, Float],
+    shape: OutlineArrays,
+    pose: Float,
+    reach: int,
 ) -> tuple[Float, Float]:
     """Edge offsets (n,) [px, NaN where not seen] and their derivatives (n, 5).
 
@@ -76,7 +80,7 @@ def measure_edge_offsets(
 
 
 @njit(cache=True, error_model="numpy")
-def robust_width(offset: Float) -> float:
+def robust_std_px(offset: Float) -> float:
     """Robust width of the offsets about 0, px, at least 0.1."""
     seen = np.abs(offset[np.isfinite(offset)])
     if len(seen) == 0:
@@ -86,7 +90,7 @@ def robust_width(offset: Float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def fit_pose(
-    pictures: Pictures,
+    pictures: LumaAndBackground,
     maps: tuple[Float, Float],
     shape: OutlineArrays,
     pose: Float,
@@ -106,7 +110,7 @@ def fit_pose(
     wider = 0.0
     last = len(reaches) - 1
     for turn in range(len(reaches) + MAX_EXTRA_ITERATIONS):
-        limit = 4.7 * max(width, robust_width(offset - wider))
+        limit = 4.7 * max(width, robust_std_px(offset - wider))
         normal = np.diag(prior)
         side = np.zeros(5)
         for i in range(len(offset)):
@@ -130,7 +134,7 @@ def fit_pose(
 
 
 @njit(cache=True, error_model="numpy")
-def fit_summary(
+def information_and_support(
     found: tuple[Float, Float, Float],
     part: npt.NDArray[np.int64],
     heading: float,
@@ -154,11 +158,13 @@ def fit_summary(
             for a in range(5):
                 for b in range(5):
                     information[a, b] += weight[i] * row[a] * row[b]
-    return information, _support(offset, part, limits)
+    return information, _support_and_nearness(offset, part, limits)
 
 
 @njit(cache=True, error_model="numpy")
-def _support(offset: Float, part: npt.NDArray[np.int64], limits: tuple[float, float]) -> Float:
+def _support_and_nearness(
+    offset: Float, part: npt.NDArray[np.int64], limits: tuple[float, float]
+) -> Float:
     """Share of head, core and all points that support the template, and nearness (4,)."""
     share = np.zeros(4)
     count = np.zeros(3)

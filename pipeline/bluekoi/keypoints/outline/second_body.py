@@ -20,7 +20,7 @@ def second_body_remark(outline: LearnedTemplate, scene: Scene) -> tuple[str, ...
     found = [
         (frame.time_s, second)
         for (frame, one), seen in pictures
-        if (second := _second(frame.luma, seen, scene, outline.template, one))
+        if (second := _fit_second_body(frame.luma, seen, scene, outline.template, one))
     ]
     if len(found) < MIN_FRAMES:
         return ()
@@ -31,15 +31,15 @@ def second_body_remark(outline: LearnedTemplate, scene: Scene) -> tuple[str, ...
     )
 
 
-def _second(
+def _fit_second_body(
     luma: Image, seen: Sequence[Blob], scene: Scene, template: Template, one: Fit
 ) -> Fit | None:
     """A good fit to a blob that lies a body's length from the robot."""
     apart = template.head_bl + template.core_bl
-    others = [blob for blob in seen if _distance(blob, one) > apart]
+    others = [blob for blob in seen if _distance_bl(blob, one) > apart]
     return best_fit_of_blobs(others, luma, scene, template, template.shape())
 
 
-def _distance(blob: Blob, one: Fit) -> float:
+def _distance_bl(blob: Blob, one: Fit) -> float:
     x, y = blob.outline_bl.mean(axis=0) - one.pose[:2]
     return math.hypot(x, y)

@@ -33,11 +33,15 @@ def measure_stations(
         found, slope = measure_edge_offsets(pictures, scene.maps, shape, one.pose, reach)
         scale = np.hypot(slope[:, 0], slope[:, 1])
         offsets[row, visible] = found / scale
-        greys[:, row, visible] = _inside(frame, scene, shape, (one.pose, found / scale))
-    return offsets, _solid(greys, float(np.median(scene.floor[::MIN_SAMPLES, ::MIN_SAMPLES])))
+        greys[:, row, visible] = _grey_levels_inside_edge(
+            frame, scene, shape, (one.pose, found / scale)
+        )
+    return offsets, _body_grey_levels(
+        greys, float(np.median(scene.floor[::MIN_SAMPLES, ::MIN_SAMPLES]))
+    )
 
 
-def _solid(greys: Float, floor: float) -> Float:
+def _body_grey_levels(greys: Float, floor: float) -> Float:
     """Grey levels (frames, stations) of the body itself, of those at each depth inside its edge.
 
     Where a blunt end moves along itself during the exposure its edge is smeared over more than
@@ -49,7 +53,9 @@ def _solid(greys: Float, floor: float) -> Float:
     return np.where(smeared, greys[1], greys[0])
 
 
-def _inside(frame: Frame, scene: Scene, shape: OutlineArrays, at: tuple[Float, Float]) -> Float:
+def _grey_levels_inside_edge(
+    frame: Frame, scene: Scene, shape: OutlineArrays, at: tuple[Float, Float]
+) -> Float:
     """Grey levels (depths, n) inside the edge found at each point, NaN where none was found.
 
     at: pose (4,), offsets (n,) [body lengths].

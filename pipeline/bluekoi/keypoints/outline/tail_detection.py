@@ -8,7 +8,7 @@ import numpy as np
 
 from ...data import Float
 from ...vector_width import njit
-from .edges import MIN_CONTRAST_GREY_LEVELS, Pictures, interpolate_bilinear
+from .edges import MIN_CONTRAST_GREY_LEVELS, LumaAndBackground, interpolate_bilinear
 
 RAY_HALF_RANGE_RAD = 1.1
 RAY_COUNT = 31
@@ -24,7 +24,7 @@ an arc, and as much again as the line may have bent.
 
 @njit(cache=True, error_model="numpy")
 def trace_tail(
-    pictures: Pictures, base: Float, back_rad: float, length_px: float, skin: float
+    pictures: LumaAndBackground, base: Float, back_rad: float, length_px: float, skin: float
 ) -> tuple[Float, float, float, tuple[float, float, float]]:
     """Tip (2,) [px], its direction from the picture's u axis [rad], support, and three signs.
 
@@ -41,7 +41,7 @@ def trace_tail(
     reach = length_px + 4.0
     if not (reach < base[0] < width - 2 - reach and reach < base[1] < height - 2 - reach):
         return tip, math.nan, 0.0, (math.nan, math.nan, math.nan)
-    bearing = _first_bearing(pictures, base, back_rad, 0.45 * length_px, skin)
+    bearing = _most_covered_ray(pictures, base, back_rad, 0.45 * length_px, skin)
     u, v = base[0], base[1]
     bend, travelled = 0.0, 0.0
     covered, beyond, steps, past, ending, last = 0.0, 0.0, 0, 0, 0.0, 0
@@ -50,7 +50,7 @@ def trace_tail(
     heading = bearing
     border = min(base[0], base[1], width - 2 - base[0], height - 2 - base[1])
     while radius < min(1.25 * length_px, border):
-        found, cover, breadth_px = _bearing(pictures, base, (bearing + bend, radius), skin)
+        found, cover, breadth_px = _coverage_on_arc(pictures, base, (bearing + bend, radius), skin)
         if travelled < length_px:
             covered += 1.0 if cover > 0.5 else 0.0
             steps += 1
@@ -86,7 +86,7 @@ def trace_tail(
 
 @njit(cache=True, error_model="numpy")
 def tail_length(
-    pictures: Pictures, base: Float, back_rad: float, length_px: float, skin: float
+    pictures: LumaAndBackground, base: Float, back_rad: float, length_px: float, skin: float
 ) -> float:
     """Length [px] of the tail from its base to where it is seen to end; NaN where it is not.
 
@@ -101,14 +101,14 @@ def tail_length(
     if count < 10 or not within:
         return math.nan
     cover, bearings = np.zeros(count), np.zeros(count)
-    bearing = _first_bearing(pictures, base, back_rad, 0.45 * length_px, skin)
+    bearing = _most_covered_ray(pictures, base, back_rad, 0.45 * length_px, skin)
     bend, known = 0.0, 0
     for k in range(count):
         radius = 3.0 + k * RADIUS_STEP_PX
         u, v = base[0] + radius * math.cos(bearing), base[1] + radius * math.sin(bearing)
-        if not _clear_of_border(pictures, u, v):
+        if not _is_clear_of_border(pictures, u, v):
             break
-        found, cover[k], _ = _bearing(pictures, base, (bearing + bend, radius), skin)
+        found, cover[k], _ = _coverage_on_arc(pictures, base, (bearing + bend, radius), skin)
         if cover[k] > 0.3:
             bend = 0.7 * (found - bearing)
             bearing = found
@@ -133,7 +133,7 @@ def tail_length(
 
 
 @njit(cache=True, error_model="numpy")
-def _clear_of_border(pictures: Pictures, u: float, v: float) -> bool:
+def _is_clear_of_border(pictures: LumaAndBackground, u: float, v: float) -> bool:
     height, width = pictures[0].shape
     return (
         IMAGE_BORDER_PX < u < width - IMAGE_BORDER_PX
@@ -167,8 +167,8 @@ def _curve_length_px(bearings: Float, radius: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _first_bearing(
-    pictures: Pictures, base: Float, back_rad: float, radius: float, skin: float
+def _most_covered_ray(
+    pictures: LumaAndBackground, base: Float, back_rad: float, radius: float, skin: float
 ) -> float:
     """Bearing of the tail's first half: of all rays from the base the one covered most."""
     best, most = back_rad, -1.0
@@ -178,7 +178,7 @@ def _first_bearing(
         r = 3.0
         while r < radius:
             u, v = base[0] + r * math.cos(angle), base[1] + r * math.sin(angle)
-            total += _cover(pictures, u, v, skin)
+            total += _pixel_coverage(pictures, u, v, skin)
             r += 1.0
         total -= 0.02 * abs(angle - back_rad) * radius
         if total > most:
@@ -187,8 +187,8 @@ def _first_bearing(
 
 
 @njit(cache=True, error_model="numpy")
-def _bearing(
-    pictures: Pictures, base: Float, polar: tuple[float, float], skin: float
+def _coverage_on_arc(
+    pictures: LumaAndBackground, base: Float, polar: tuple[float, float], skin: float
 ) -> tuple[float, float, float]:
     """Centre of the coverage on an arc about the base, its largest value, its width [px]."""
     angle, radius = polar
@@ -197,7 +197,7 @@ def _bearing(
     count = 2 * math.ceil(2 * half * radius) + 1
     for k in range(count):
         a = angle + half * (2.0 * k / (count - 1) - 1.0)
-        cover = _cover(
+        cover = _pixel_coverage(
             pictures, base[0] + radius * math.cos(a), base[1] + radius * math.sin(a), skin
         )
         most = max(most, cover)
@@ -209,7 +209,7 @@ def _bearing(
 
 
 @njit(cache=True, error_model="numpy")
-def _cover(pictures: Pictures, u: float, v: float, skin: float) -> float:
+def _pixel_coverage(pictures: LumaAndBackground, u: float, v: float, skin: float) -> float:
     """Coverage at a pixel: 0 floor, 1 skin."""
     depth = interpolate_bilinear(pictures[1], u, v) - skin
     if abs(depth) < MIN_CONTRAST_GREY_LEVELS:

@@ -17,7 +17,7 @@ from ...study import Robot, Trial
 from .plane import in_body_lengths
 from .pose_fit import OutlineArrays
 
-HEAD, CORE = 0, 1
+HEAD_PART, CORE_PART = 0, 1
 HEAD_ORIGIN_SHARE = 0.55
 CORE_STATIONS = 36
 HEAD_STATIONS = 25
@@ -63,9 +63,9 @@ class Template:
         head, core = self._head(), self._core()
         mirror = np.array([1.0, -1.0])
         points = np.concatenate([head, head * mirror, core, core * mirror])
-        sides = (_normals(head), _normals(core))
+        sides = (_unit_normals(head), _unit_normals(core))
         normals = np.concatenate([side for n in sides for side in (n, n * mirror)])
-        part = np.repeat([HEAD, CORE], [2 * len(head), 2 * len(core)])
+        part = np.repeat([HEAD_PART, CORE_PART], [2 * len(head), 2 * len(core)])
         skin = np.concatenate([self.head_skin.ravel(), self.core_skin.ravel()])
         visible = self.visible_stations()
         return points[visible], normals[visible], part[visible], skin[visible]
@@ -83,7 +83,7 @@ class Template:
         """Points and normals (n, 2) of `shape`, head turned: hinge at 0, core along x."""
         points, normals, part, _ = self.shape()
         c, s = np.cos(-head_angle_rad), np.sin(-head_angle_rad)
-        turn, head = np.array([[c, -s], [s, c]]).T, (part == HEAD)[:, None]
+        turn, head = np.array([[c, -s], [s, c]]).T, (part == HEAD_PART)[:, None]
         return np.where(head, points @ turn, points), np.where(head, normals @ turn, normals)
 
     def outline(self, head_angle_rad: float) -> Float:
@@ -106,7 +106,7 @@ class Template:
         return np.column_stack([self.along, self.half])
 
 
-def _normals(line: Float) -> Float:
+def _unit_normals(line: Float) -> Float:
     """Unit normals (n, 2) of a line that runs from the nose back along the left side."""
     step = np.gradient(line, axis=0)
     normal = np.column_stack([step[:, 1], -step[:, 0]])
@@ -134,7 +134,7 @@ def initial_template(robot: Robot, trial: Trial, half_width_bl: float, skin: flo
         com_bl=in_body_lengths(robot, robot.hinge_to_com_m),
         tail_bl=in_body_lengths(robot, robot.tail_length_m),
         angles=angles,
-        radii=_egg(angles, head_bl, half_width_bl),
+        radii=_blunt_head_radii(angles, head_bl, half_width_bl),
         along=-share * core_bl,
         half=end + (half_width_bl - end) * (1 - share**1.7),
         head_skin=np.full((2, HEAD_STATIONS), skin),
@@ -144,7 +144,7 @@ def initial_template(robot: Robot, trial: Trial, half_width_bl: float, skin: flo
     )
 
 
-def _egg(angles: Float, head_bl: float, half_bl: float) -> Float:
+def _blunt_head_radii(angles: Float, head_bl: float, half_bl: float) -> Float:
     """Radii of a blunt head: |y / w|^2.1 + |x / front|^2.1 = 1 in front, straight sides behind."""
     front = (1 - HEAD_ORIGIN_SHARE) * head_bl
     c, s = np.cos(angles), np.sin(angles)
@@ -164,19 +164,19 @@ def with_learned_stations(
     h, c = HEAD_STATIONS, CORE_STATIONS
     parts = (offsets_bl[:, :h], offsets_bl[:, h : 2 * h], offsets_bl[:, 2 * h : 2 * h + c])
     core_right = offsets_bl[:, 2 * h + c :]
-    head = _smooth(_both(parts[0], parts[1]))
-    core = _smooth(_both(parts[2], core_right))
-    radial = np.sum(_normals(template._head()) * _radial(template), axis=1)
+    head = _binomial_smoothed(_median_over_sides(parts[0], parts[1]))
+    core = _binomial_smoothed(_median_over_sides(parts[2], core_right))
+    radial = np.sum(_unit_normals(template._head()) * _radial_directions(template), axis=1)
     radii = template.radii + share * head / np.clip(radial, 0.5, 1.0)
-    lateral = np.abs(_normals(template._core())[:, 1])
+    lateral = np.abs(_unit_normals(template._core())[:, 1])
     half = np.maximum(template.half + share * core / np.clip(lateral, 0.5, 1.0), 0.0015)
     sides = np.split(nan_median(skins), [h, 2 * h, 2 * h + c])
     return replace(
         template,
-        radii=_nose_at_length(template, radii),
+        radii=_move_nose_to_head_length(template, radii),
         half=half,
-        head_skin=_known(np.stack(sides[:2]), template.head_skin),
-        core_skin=_known(np.stack(sides[2:]), template.core_skin),
+        head_skin=_finite_or_previous(np.stack(sides[:2]), template.head_skin),
+        core_skin=_finite_or_previous(np.stack(sides[2:]), template.core_skin),
     )
 
 
@@ -188,8 +188,8 @@ def station_contrast(greys: Float, floor: float) -> Float:
     """
     h, c = HEAD_STATIONS, CORE_STATIONS
     head_left, head_right, core_left, core_right = np.split(greys, [h, 2 * h, 2 * h + c], axis=1)
-    head = np.abs(_smooth(_both(head_left - floor, head_right - floor)))
-    core = np.abs(_smooth(_both(core_left - floor, core_right - floor)))
+    head = np.abs(_binomial_smoothed(_median_over_sides(head_left - floor, head_right - floor)))
+    core = np.abs(_binomial_smoothed(_median_over_sides(core_left - floor, core_right - floor)))
     return np.concatenate([head, head, core, core])
 
 
@@ -203,15 +203,15 @@ def nan_median(values: Float) -> Float:
     return np.take_along_axis(np.sort(values, axis=0), places, axis=0).mean(axis=0)
 
 
-def _known(found: Float, before: Float) -> Float:
+def _finite_or_previous(found: Float, before: Float) -> Float:
     return np.where(np.isfinite(found), found, before)
 
 
-def _radial(template: Template) -> Float:
+def _radial_directions(template: Template) -> Float:
     return np.column_stack([np.cos(template.angles), np.sin(template.angles)])
 
 
-def _both(left: Float, right: Float) -> Float:
+def _median_over_sides(left: Float, right: Float) -> Float:
     """Median over frames and both sides, 0 where nothing was seen, ends carried on."""
     pair = np.concatenate([left, right])
     seen = np.isfinite(pair).sum(axis=0) >= 2
@@ -221,12 +221,12 @@ def _both(left: Float, right: Float) -> Float:
     return np.interp(where, where[seen], nan_median(pair[:, seen]))
 
 
-def _smooth(values: Float) -> Float:
+def _binomial_smoothed(values: Float) -> Float:
     padded = np.concatenate([[2 * values[0] - values[1]], values, [2 * values[-1] - values[-2]]])
     return 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
 
 
-def _nose_at_length(template: Template, radii: Float) -> Float:
+def _move_nose_to_head_length(template: Template, radii: Float) -> Float:
     """Radii of the same outline moved along the axis so that the nose is at the head's length."""
     shift = template.head_bl * (1 - HEAD_ORIGIN_SHARE) - radii[0]
     x = radii * np.cos(template.angles) + shift

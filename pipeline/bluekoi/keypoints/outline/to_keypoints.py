@@ -44,19 +44,21 @@ def keypoints_from_fits(
     where = [i for i, one in enumerate(fits) if one is not None]
     known = [one for one in fits if one is not None]
     if known:
-        xy[where], cov[where] = _points(known, scene, template)
+        xy[where], cov[where] = _pixels_and_covariances(known, scene, template)
         bend = float(np.median([one.pose[3] for one in known]))
         poses = [one.pose if one else None for one in fits]
         jumps = jump_factors(times, poses, MAX_JUMP_BL, MAX_JUMP_RAD)
         head = float(np.median([one.support[0] for one in known]))
         known_shape = likelihood_of_support(head, HEAD_SUPPORT_RANGE)
-        each = np.array([_likelihood(one, bend) for one in known])
+        each = np.array([_keypoint_likelihoods(one, bend) for one in known])
         likelihood[where] = known_shape * jumps[where, None] * each
     likelihood[~np.isfinite(xy).all(axis=2)] = 0.0
-    return Keypoints(np.array(times), PARTS, xy, likelihood, cov, remarks, _lengths(fits))
+    return Keypoints(
+        np.array(times), PARTS, xy, likelihood, cov, remarks, _seen_length_ratios(fits)
+    )
 
 
-def _lengths(fits: Sequence[Fit | None]) -> Float:
+def _seen_length_ratios(fits: Sequence[Fit | None]) -> Float:
     """Whole length (frames,) seen over stated, where the outline was found; else NaN.
 
     The tail's own support is not asked: it is less where the tail is shorter than stated.
@@ -65,7 +67,7 @@ def _lengths(fits: Sequence[Fit | None]) -> Float:
                      for one in fits])  # fmt: skip
 
 
-def _nose(fits: Sequence[Fit]) -> float:
+def _median_nose_offset_px(fits: Sequence[Fit]) -> float:
     """Median distance [px] of the nose's edge ahead of the template's, over the whole recording.
 
     The template's nose is known from a few frames only; all of them place the outline better.
@@ -76,17 +78,19 @@ def _nose(fits: Sequence[Fit]) -> float:
     return float(np.median(seen)) if len(seen) > 4 else 0.0
 
 
-def _points(fits: Sequence[Fit], scene: Scene, template: Template) -> tuple[Float, Float]:
+def _pixels_and_covariances(
+    fits: Sequence[Fit], scene: Scene, template: Template
+) -> tuple[Float, Float]:
     """Pixels (n, 5, 2) and covariances (n, 5, 2, 2) of fits."""
     pose = np.array([one.pose for one in fits])
     hinge, core = pose[:, 0] + 1j * pose[:, 1], np.exp(1j * pose[:, 2])
-    hinge += _nose(fits) / scene.plane.px_per_bl * np.cos(pose[:, 3]) * core
+    hinge += _median_nose_offset_px(fits) / scene.plane.px_per_bl * np.cos(pose[:, 3]) * core
     arms = np.zeros((len(fits), 4), dtype=complex)
     arms[:, 0] = template.head_bl * np.exp(-1j * pose[:, 3])
     arms[:, 2:] = [-template.com_bl, -template.core_bl]
     places = hinge[:, None] + arms * core[:, None]
-    uv = _pixels(scene, places)
-    slope = _slopes(scene, hinge, core)
+    uv = _pixels_of_places(scene, places)
+    slope = _core_axes_jacobians(scene, hinge, core)
     moves = np.zeros((len(fits), 4, 2, 4))
     moves[..., 0, 0] = moves[..., 1, 1] = 1.0
     moves[..., 0, 2], moves[..., 1, 2] = -arms.imag, arms.real
@@ -101,18 +105,18 @@ def _points(fits: Sequence[Fit], scene: Scene, template: Template) -> tuple[Floa
     )
 
 
-def _pixels(scene: Scene, places: npt.NDArray[np.complex128]) -> Float:
+def _pixels_of_places(scene: Scene, places: npt.NDArray[np.complex128]) -> Float:
     """Pixels (..., 2) of places x + i y in the plane."""
     flat = np.column_stack([places.real.ravel(), places.imag.ravel()])
     return scene.plane.pixels(flat).reshape(*places.shape, 2)
 
 
-def _slopes(
+def _core_axes_jacobians(
     scene: Scene, places: npt.NDArray[np.complex128], core: npt.NDArray[np.complex128]
 ) -> Float:
     """d(u, v)/d(along, across) the core at places (n,), px per body length, (n, 2, 2)."""
     step = DERIVATIVE_STEP_BL * core[:, None] * np.array([1.0, 1j])
-    ahead, behind = (_pixels(scene, places[:, None] + sign * step) for sign in (1, -1))
+    ahead, behind = (_pixels_of_places(scene, places[:, None] + sign * step) for sign in (1, -1))
     return ((ahead - behind) / (2 * DERIVATIVE_STEP_BL)).swapaxes(1, 2)
 
 
@@ -145,7 +149,7 @@ def _tail_covariances(fits: Sequence[Fit], bases: Float, length_px: float) -> Fl
     return bases + along[:, None, None] * outer[0] + across[:, None, None] * outer[1]
 
 
-def _likelihood(one: Fit, bend: float) -> Float:
+def _keypoint_likelihoods(one: Fit, bend: float) -> Float:
     """Likelihood (5,) from how much of the outline about each part is where it should be.
 
     The core alone tapers, so that without the head it may have slid along itself.

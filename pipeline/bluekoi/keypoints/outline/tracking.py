@@ -14,7 +14,7 @@ from .background import Image
 from .blob_detection import Blob, candidate_poses, find_blobs
 from .edges import EDGE_HALF_WIDTH_PX
 from .plane import Plane
-from .pose_fit import OutlineArrays, fit_pose, fit_summary
+from .pose_fit import OutlineArrays, fit_pose, information_and_support
 from .tail_detection import tail_length, trace_tail
 from .template import Template
 from .variance import VarianceStatistics, covariance_kernels, variance_statistics
@@ -24,7 +24,7 @@ MIN_SUPPORT = 0.55
 MAX_HEAD_ANGLE_CHANGE_RAD = 0.7
 STATISTICS_EVERY_FRAMES = 2
 NO_TAIL = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
-LOST_FRAMES = 8
+LOST_AFTER_FRAMES = 8
 NEARNESS_RANGE_BL = 0.042
 SEARCH_LENGTHS_BL = (0.042, 0.024)
 
@@ -92,7 +92,7 @@ def fit_frame(
     )
     limits = (tolerance_px(scene), NEARNESS_RANGE_BL * scene.plane.px_per_bl)
     found = (offset, weight, slope)
-    information, share = fit_summary(found, shape[2], pose[2], limits)
+    information, share = information_and_support(found, shape[2], pose[2], limits)
     signs = (
         None
         if known is None
@@ -156,7 +156,7 @@ def track_robot(
     times: list[float] = []
     fits: list[Fit | None] = []
     for frame in film:
-        start = _predicted(frame.time_s, times, fits)
+        start = _extrapolated_pose(frame.time_s, times, fits)
         asked = None if len(times) % STATISTICS_EVERY_FRAMES else known
         one = (
             start
@@ -170,9 +170,11 @@ def track_robot(
     return times, fits
 
 
-def _predicted(time_s: float, times: Sequence[float], fits: Sequence[Fit | None]) -> Float | None:
+def _extrapolated_pose(
+    time_s: float, times: Sequence[float], fits: Sequence[Fit | None]
+) -> Float | None:
     """Pose expected at a time from the last two fits of the last frames; None without any."""
-    first = max(0, len(fits) - LOST_FRAMES)
+    first = max(0, len(fits) - LOST_AFTER_FRAMES)
     known = [(t, one) for t, one in zip(times[first:], fits[first:], strict=True) if one]
     if not known:
         return None
@@ -180,7 +182,7 @@ def _predicted(time_s: float, times: Sequence[float], fits: Sequence[Fit | None]
         return known[-1][1].pose.copy()
     (before_s, before), (last_s, last) = known[-2:]
     ahead = (time_s - last_s) / (last_s - before_s)
-    return last.pose + min(ahead, float(LOST_FRAMES)) * (last.pose - before.pose)
+    return last.pose + min(ahead, float(LOST_AFTER_FRAMES)) * (last.pose - before.pose)
 
 
 def with_tail(frame: Image, scene: Scene, template: Template, one: Fit) -> Fit:

@@ -23,7 +23,7 @@ from ...vector_width import njit
 
 PATCH_LENGTH_SHARE, DRIFT_LENGTH_SHARE = 0.045, 0.11
 """Scales of light that moves edges in or out, and one way, as shares of head and core's length."""
-MAX_RESIDUE_RATIO = 9.0
+MAX_RESIDUAL_RATIO = 9.0
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def _summed_products(
     found: tuple[Float, Float, Float], heading: float, prior: Float, known: Float
 ) -> tuple[Float, Float, Float]:
     """Forms, expected, spread of `VarianceStatistics`."""
-    rows, seen = _rows(found, heading, prior)
+    rows, seen = _jacobian_gain_and_residual_rows(found, heading, prior)
     n, count, turned = len(rows), len(known), rows.T.copy()
     forms, expected = np.zeros(count), np.zeros((count, count))
     outer, carried = np.zeros((count, 11, 11)), np.zeros((count, n, 11))
@@ -77,14 +77,16 @@ def _summed_products(
     for j in range(count):
         for k in range(count):
             slope, gain = carried[j, :, :5], carried[k, :, 5:10]
-            expected[j, k] = _kernel_products(known[j], known[k], seen)
+            expected[j, k] = _trace_of_kernel_product(known[j], known[k], seen)
             expected[j, k] -= 2.0 * np.sum(seen * np.sum(slope * gain, axis=1))
             expected[j, k] += np.sum(outer[j, :5, :5] * outer[k, 5:10, 5:10])
     return forms, expected, outer[:, 5:10, 5:10].copy()
 
 
 @njit(cache=True, error_model="numpy")
-def _rows(found: tuple[Float, Float, Float], heading: float, prior: Float) -> tuple[Float, Float]:
+def _jacobian_gain_and_residual_rows(
+    found: tuple[Float, Float, Float], heading: float, prior: Float
+) -> tuple[Float, Float]:
     """Rows (n, 11) of X in body axes, A' and r, all 0 where not seen; and seen (n,), 1 or 0."""
     offset, weight, slope = found
     rows, seen = np.zeros((len(offset), 11)), np.zeros(len(offset))
@@ -108,7 +110,7 @@ def _rows(found: tuple[Float, Float, Float], heading: float, prior: Float) -> tu
 
 
 @njit(cache=True, error_model="numpy", fastmath=True)
-def _kernel_products(one: Float, other: Float, seen: Float) -> float:
+def _trace_of_kernel_product(one: Float, other: Float, seen: Float) -> float:
     """tr(K_j K_k) over the points seen."""
     total = 0.0
     for i in range(len(seen)):
@@ -125,7 +127,7 @@ def mean_covariance(frames: Sequence[VarianceStatistics]) -> Float:
     kept = [
         one
         for one, r in zip(frames, residue, strict=True)
-        if r <= MAX_RESIDUE_RATIO * np.median(residue)
+        if r <= MAX_RESIDUAL_RATIO * np.median(residue)
     ]
     forms, expected, spread = (
         np.mean([getattr(one, name) for one in kept], axis=0)

@@ -29,8 +29,8 @@ from bluekoi.explain import (
     read_trials,
 )
 from bluekoi.explain.checks import checked_model
-from bluekoi.explain.results_json import sentence
-from bluekoi.explain.sampling import at_rate
+from bluekoi.explain.results_json import verdict_sentence
+from bluekoi.explain.sampling import averaged_to_rate
 from bluekoi.explain.system_assembly import assemble_system
 from bluekoi.explain.trials import series_of, validated_trials
 from bluekoi.integrate import compiled
@@ -101,10 +101,10 @@ def test_a_complete_model_has_no_cause(cart_model):
     found = explain(cart_model, simulated_runs())
     assert found.verdict == "none"
     assert found.named == ()
-    assert sentence(found).startswith("No mismatch beyond the noise")
+    assert verdict_sentence(found).startswith("No mismatch beyond the noise")
     held = replace(found.held_out, noise_floor={k: v / 6 for k, v in
                                                 found.held_out.baseline.items()})  # fmt: skip
-    assert "wrong by 6.0 times the noise floor" in sentence(replace(found, held_out=held))
+    assert "wrong by 6.0 times the noise floor" in verdict_sentence(replace(found, held_out=held))
 
 
 def test_causes_of_the_site_are_not_applied_elsewhere(cart_model, cart_explanation):
@@ -201,7 +201,7 @@ def test_a_lower_rate_keeps_curvature_and_impulse(cart_model):
     times = 0.001 * np.arange(4000)
     trial = Trial("t", times, {"position": times**2}, {"push": np.sin(3 * times)})
     assembly = assemble_system(cart_model)
-    few = at_rate(series_of(cart_model, assembly, trial, {}), 50.0, [False])
+    few = averaged_to_rate(series_of(cart_model, assembly, trial, {}), 50.0, [False])
     assert len(few.times) == 200
     np.testing.assert_allclose(few.seen[:, 0], few.times**2, atol=1e-9)
     before, after = (

@@ -235,7 +235,7 @@ from bluekoi.explain import load_model
 from bluekoi.explain.system_assembly import assemble_system
 from bluekoi.explain.trials import series_of
 from bluekoi.fitting import filter_series, free_runs
-from bluekoi.explain.preparation import first_noise
+from bluekoi.explain.preparation import initial_noise
 from bluekoi.integrate import compiled
 from bluekoi.explain import Trial
 from numba import config
@@ -250,7 +250,7 @@ for n in (4, 7, 33):
     trial = Trial(str(n), t, {{"position": np.where(np.arange(n) % 3, t, np.nan)}}, {{"push": t}})
     series.append(series_of(model, assembly, trial, {{}}))
 values = [assembly.system.values({{}})] * len(series)
-noise = first_noise(kernel, series, values[0])
+noise = initial_noise(kernel, series, values[0])
 for one, value in zip(series, values):
     print(filter_series(kernel, one, value, noise).log_likelihood)
 for run in free_runs(kernel, series, values, open_states=2):

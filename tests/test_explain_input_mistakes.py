@@ -10,9 +10,9 @@ import pytest
 
 from bluekoi.errors import InputError
 from bluekoi.explain import Stage, Trial, load_model, read_trials
-from bluekoi.explain.diagnosis import compiling, runs_away
-from bluekoi.explain.numbers import Number, at_bounds
-from bluekoi.explain.prediction import Run, runaways
+from bluekoi.explain.diagnosis import divergence_error, reporting_compiler_errors
+from bluekoi.explain.numbers import Number, at_bound_sentences
+from bluekoi.explain.prediction import Run, runaway_sentences
 from bluekoi.explain.trials import time_unit_warnings, validated_trials, warnings_of
 
 MODEL = load_model(Path(__file__).parent / "cart_model.py")
@@ -113,12 +113,14 @@ def test_a_free_run_that_leaves_its_recording_is_named(far):
     seen = np.column_stack([TIMES, np.where(TIMES < 1.0, np.nan, 0.0)])
     near = Run("a", TIMES, seen + 1.0, seen, {}, {})
     away = Run("b", TIMES, seen + far, seen, {}, {})
-    (sentence,) = runaways({("baseline", "start"): [near, away], ("extended", "start"): [near]})
+    (sentence,) = runaway_sentences(
+        {("baseline", "start"): [near, away], ("extended", "start"): [near]}
+    )
     assert sentence.startswith("Free runs of the baseline model leave b by more than 10 times")
 
 
 def test_a_number_at_its_bound_asks_for_the_units():
-    (sentence,) = at_bounds([Number("M", 1.0, np.nan, "kg", "lower")])
+    (sentence,) = at_bound_sentences([Number("M", 1.0, np.nan, "kg", "lower")])
     assert "M stands at its lower bound, 1 kg" in sentence
     assert "check the units of the columns" in sentence
 
@@ -132,11 +134,11 @@ def test_a_number_at_its_bound_asks_for_the_units():
 def test_the_equation_that_makes_a_model_run_away_is_named(equation, found):
     states = (MODEL.states[0], replace(MODEL.states[1], rate_of="position"))
     stages = (Stage("force", ("F",), equation, open=True), *MODEL.stages[1:])
-    error = runs_away(replace(MODEL, states=states, stages=stages), [cart_trial()])
+    error = divergence_error(replace(MODEL, states=states, stages=stages), [cart_trial()])
     assert error.findings[0].where.startswith("stage force")
     with pytest.raises(InputError, match=found):
         raise error
-    assert "Check signs and units" in str(runs_away(MODEL, [cart_trial()]))
+    assert "Check signs and units" in str(divergence_error(MODEL, [cart_trial()]))
 
 
 def test_the_equation_that_does_not_compile_is_named():
@@ -146,8 +148,8 @@ def test_the_equation_that_does_not_compile_is_named():
     model = replace(MODEL, stages=(Stage("force", ("F",), pushed, open=True), *MODEL.stages[1:]))
     with (
         pytest.raises(InputError, match=r"stage force: pushed: found .*without texts, lists"),
-        compiling(model),
+        reporting_compiler_errors(model),
     ):
         raise ValueError("could not convert")
-    with pytest.raises(ZeroDivisionError), compiling(MODEL):
+    with pytest.raises(ZeroDivisionError), reporting_compiler_errors(MODEL):
         raise ZeroDivisionError

@@ -60,7 +60,7 @@ def _check_types(model: Model) -> list[Finding]:
     for c in model.causes:
         out += _check_sequence(model, f"cause {c.name}: parameters", c.parameters, Parameter)
         if not isinstance(c.hooks, Mapping) or not all(map(callable, c.hooks.values())):
-            out.append(_finding(model, f"cause {c.name}: hooks", _shown(c.hooks),
+            out.append(_finding(model, f"cause {c.name}: hooks", _text_or_type(c.hooks),
                                 "{'STAGE': function}"))  # fmt: skip
     for where, value in [
         *((f"state {s.name}: start_std", s.start_std) for s in model.states),
@@ -77,11 +77,12 @@ def _check_sequence(model: Model, where: str, given: object, kind: type) -> list
         remedy = "A tuple of one needs a comma: (X,)."
         return [_finding(model, where, f"a single {kind.__name__}", expected, remedy)]
     if isinstance(given, str) or not isinstance(given, Sequence):
-        return [_finding(model, where, _shown(given), expected)]
-    return [_finding(model, where, _shown(x), expected) for x in given if not isinstance(x, kind)]
+        return [_finding(model, where, _text_or_type(given), expected)]
+    return [_finding(model, where, _text_or_type(x), expected)
+            for x in given if not isinstance(x, kind)]  # fmt: skip
 
 
-def _shown(value: object) -> str:
+def _text_or_type(value: object) -> str:
     """A text as it stands, of anything else its class."""
     return repr(value) if isinstance(value, str) else type(value).__name__
 
@@ -230,7 +231,7 @@ def _check_coefficients(model: Model) -> list[Finding]:
     out = [f for p in model.coefficients
            for f in _check_bounds(model, f"coefficient {p.name}", p, zero=False)]  # fmt: skip
     known = [p.name for p in model.coefficients]
-    used = {a for f in _functions(model) for a in arguments(f)}
+    used = {a for f in _all_functions(model) for a in arguments(f)}
     out += [_finding(model, f"coefficient {n}", "no equation that asks for it",
                      "an argument of that name in a stage or a cause") for n in known
             if n not in used]  # fmt: skip
@@ -238,7 +239,7 @@ def _check_coefficients(model: Model) -> list[Finding]:
                   for n in model.per_group if n not in known]  # fmt: skip
 
 
-def _functions(model: Model) -> list[Function]:
+def _all_functions(model: Model) -> list[Function]:
     """Functions of all stages and causes."""
     own = [s.function for s in model.stages if s.function is not None]
     for c in model.causes:

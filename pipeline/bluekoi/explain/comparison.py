@@ -23,13 +23,13 @@ from ..fitting import (
 )
 from .model import Model
 
-MAX_LOG_GROWTH = 6.0
+MAX_LOG_ERROR_GROWTH = 6.0
 """Small differences may grow by e^6 over a compared segment."""
 MAX_FOLDS, MIN_SEGMENT_FRAMES, MAX_REFITTED_PARAMETERS = 6, 8, 15
 """Groups of conditions left out in turn, observations of a compared segment, and parameters with
 states up to which the baseline is also fitted to trajectories.
 """
-FLOOR_DRAWS, FLOOR_SEED = 2, 20240517
+NOISE_FLOOR_DRAWS, NOISE_FLOOR_SEED = 2, 20240517
 PREDICTION_ERRORS, TRAJECTORIES = "prediction errors", "trajectories"
 
 
@@ -65,7 +65,7 @@ class HeldOut:
     stretch_s: float
 
 
-def by_both_criteria(problem: Problem, model: FittedSet) -> list[Fitted]:
+def fit_by_both_criteria(problem: Problem, model: FittedSet) -> list[Fitted]:
     """A set fitted by prediction errors, and to whole trajectories where that fit ends well."""
     out = [Fitted(model, model.fit, PREDICTION_ERRORS)]
     kernel, base = problem.kernel, start_values(problem, model.causes, model.fit.by_label())
@@ -82,36 +82,36 @@ def by_both_criteria(problem: Problem, model: FittedSet) -> list[Fitted]:
     return out
 
 
-def with_criterion(problem: Problem, model: FittedSet, criterion: str) -> Fitted:
+def fit_by_criterion(problem: Problem, model: FittedSet, criterion: str) -> Fitted:
     """A set with its numbers fitted to all trials by one criterion."""
     if criterion == PREDICTION_ERRORS:
         return Fitted(model, model.fit, criterion)
-    found = by_both_criteria(problem, model)
+    found = fit_by_both_criteria(problem, model)
     return next((f for f in found if f.criterion == criterion), found[0])
 
 
-def folds_of(series: Sequence[Series]) -> list[list[str]]:
+def condition_folds(series: Sequence[Series]) -> list[list[str]]:
     """Conditions in up to six folds."""
     conditions = sorted({s.condition for s in series})
     count = min(MAX_FOLDS, len(conditions))
     return [conditions[k::count] for k in range(count)]
 
 
-def held_out(
+def compare_held_out(
     model: Model, problem: Problem, baseline: FittedSet, extended: FittedSet,
     test: Sequence[Series],
 ) -> HeldOut:  # fmt: skip
     """`HeldOut`: on `test` where there are such trials, else by leaving conditions out in turn."""
     horizon = predictability_horizon_s(problem, extended, test or problem.series)
-    found = errors_of_sets(model, problem, (baseline, extended), test, horizon)
-    floor = noise_floor(model, problem, extended, test or problem.series, horizon)
+    found = errors_by_better_criterion(model, problem, (baseline, extended), test, horizon)
+    floor = noise_floor_errors(model, problem, extended, test or problem.series, horizon)
     trials = tuple(s.name for s in (test or problem.series))
     (first, before), (second, after) = found
     return HeldOut(trials, before, after, floor, (first, second), horizon)
 
 
 @np.errstate(all="ignore")
-def errors_of_sets(
+def errors_by_better_criterion(
     model: Model, problem: Problem, sets: Sequence[FittedSet], test: Sequence[Series],
     horizon_s: float,
 ) -> list[tuple[str, dict[str, float]]]:  # fmt: skip
@@ -119,23 +119,23 @@ def errors_of_sets(
     parts = [(list(problem.series), list(test))] if test else [
         ([s for s in problem.series if s.condition not in fold],
          [s for s in problem.series if s.condition in fold])
-        for fold in folds_of(problem.series)]  # fmt: skip
+        for fold in condition_folds(problem.series)]  # fmt: skip
     parts = [p for p in parts if p[0] and p[1]] or [(list(problem.series), list(problem.series))]
     out = []
     for one in sets:
         errors: dict[str, list[Float]] = {}
         for train, own in parts:
             local = replace(problem, series=tuple(train))
-            again = one if len(train) == len(problem.series) else refitted(local, one)
-            for found in by_both_criteria(local, again):
+            again = one if len(train) == len(problem.series) else refit_to_other_trials(local, one)
+            for found in fit_by_both_criteria(local, again):
                 rows = errors.setdefault(found.criterion, [])
                 rows += segment_errors(model, local, found, own, horizon_s)
-        best = min(errors, key=lambda k: _total(errors[k]))
-        out.append((best, errors_of(model, errors[best])))
+        best = min(errors, key=lambda k: _mean_square(errors[k]))
+        out.append((best, rms_errors(model, errors[best])))
     return out
 
 
-def refitted(problem: Problem, model: FittedSet) -> FittedSet:
+def refit_to_other_trials(problem: Problem, model: FittedSet) -> FittedSet:
     """The same set under the same noise, fitted to other trials; itself where that runs away."""
     found = fit_set(problem, model.causes, model.noise, model.fit.by_label(),
                    free=[f for f in model.fit.free if f.group is None
@@ -162,13 +162,13 @@ def predictability_horizon_s(problem: Problem, model: FittedSet, series: Sequenc
         for frame in range(1, len(one.times)):
             growth = result.transitions[frame, :own, :own] @ growth
             size = np.linalg.norm(growth * scale / scale[:, None], 2)
-            if not np.isfinite(size) or size > np.exp(MAX_LOG_GROWTH):
+            if not np.isfinite(size) or size > np.exp(MAX_LOG_ERROR_GROWTH):
                 longest[k] = float(one.times[frame] - one.times[0])
                 break
     return float(np.median(longest))
 
 
-def segments_of(
+def cut_into_segments(
     problem: Problem, found: Fitted, series: Sequence[Series], horizon_s: float
 ) -> list[Series]:
     """Trials cut into segments not longer than the horizon, started at the smoothed states."""
@@ -195,7 +195,7 @@ def segment_errors(
     model: Model, problem: Problem, found: Fitted, series: Sequence[Series], horizon_s: float
 ) -> list[Float]:
     """Simulated minus seen (frames, observations) of every segment, starts fitted."""
-    parts = segments_of(problem, found, series, horizon_s)
+    parts = cut_into_segments(problem, found, series, horizon_s)
     if not parts:
         return []
     runs = free_runs(problem.kernel, parts, found.values(problem, parts),
@@ -203,7 +203,7 @@ def segment_errors(
     return [run.observed - part.seen for run, part in zip(runs, parts, strict=True)]
 
 
-def errors_of(model: Model, errors: Sequence[Float]) -> dict[str, float]:
+def rms_errors(model: Model, errors: Sequence[Float]) -> dict[str, float]:
     """Root mean squares of errors (frames, observations) by name, and of a place in the plane."""
     names = [o.name for o in model.observations]
     columns = np.concatenate([np.empty((0, len(names))), *errors]).T
@@ -215,24 +215,24 @@ def errors_of(model: Model, errors: Sequence[Float]) -> dict[str, float]:
     return out
 
 
-def _total(errors: Sequence[Float]) -> float:
+def _mean_square(errors: Sequence[Float]) -> float:
     rows = np.concatenate(errors) if errors else np.full((1, 1), np.inf)
     known = rows[~np.isnan(rows).any(axis=1)]
     return float(np.mean(known**2)) if len(known) and np.isfinite(known).all() else np.inf
 
 
 @np.errstate(all="ignore")
-def noise_floor(
+def noise_floor_errors(
     model: Model, problem: Problem, found: FittedSet, series: Sequence[Series], horizon_s: float
 ) -> dict[str, float]:
     """Errors of a model on data made by itself, with its random forces and errors."""
-    whole, rng = Fitted(found, found.fit, ""), np.random.default_rng(FLOOR_SEED)
+    whole, rng = Fitted(found, found.fit, ""), np.random.default_rng(NOISE_FLOOR_SEED)
     values = whole.values(problem, series)
     filtered = filter_all(problem.kernel, series, values, found.noise)
     starts = np.array([smooth(one)[0][0] for one in filtered])
     rows: list[Float] = []
-    for _ in range(FLOOR_DRAWS):
+    for _ in range(NOISE_FLOOR_DRAWS):
         made = parametric_bootstrap(problem.kernel, series, values, [found.noise] * len(series),
                                     starts, rng)  # fmt: skip
         rows += segment_errors(model, problem, whole, made, horizon_s)
-    return errors_of(model, rows)
+    return rms_errors(model, rows)

@@ -17,11 +17,11 @@ SAMPLES_PER_TRIAL, TRIALS_CHECKED = 41, 4
 """Times of a trial, and trials, at which the equations are evaluated."""
 
 
-def runs_away(model: Model, trials: Sequence[Trial]) -> InputError:
+def divergence_error(model: Model, trials: Sequence[Trial]) -> InputError:
     """A fault of a model that cannot be followed along its trials."""
     place = f"model '{model.name}'"
-    for given in _moments(model, trials):
-        if (fault := _fault(model, given)) is not None:
+    for given in _sampled_arguments(model, trials):
+        if (fault := _first_nonfinite_equation(model, given)) is not None:
             where, found = fault
             return input_error(place, where, found, "finite values wherever the trials lead",
                                "Write the equation so that it holds there, too.")  # fmt: skip
@@ -34,7 +34,7 @@ def runs_away(model: Model, trials: Sequence[Trial]) -> InputError:
     )
 
 
-def _moments(model: Model, trials: Sequence[Trial]) -> Iterator[dict[str, float]]:
+def _sampled_arguments(model: Model, trials: Sequence[Trial]) -> Iterator[dict[str, float]]:
     """States as the trials show them, inputs, constants, coefficients and the time, by name."""
     for trial in trials[:TRIALS_CHECKED]:
         times = np.linspace(trial.times[0], trial.times[-1], SAMPLES_PER_TRIAL)
@@ -57,7 +57,7 @@ def _moments(model: Model, trials: Sequence[Trial]) -> Iterator[dict[str, float]
             yield {name: float(row[k]) for name, row in rows.items()} | fixed
 
 
-def _fault(model: Model, given: dict[str, float]) -> tuple[str, str] | None:
+def _first_nonfinite_equation(model: Model, given: dict[str, float]) -> tuple[str, str] | None:
     """Place and fault of the first equation without a finite value."""
     for stage in model.stages:
         values: Sequence[float] = [0.0] * len(stage.outputs)
@@ -77,15 +77,15 @@ def _fault(model: Model, given: dict[str, float]) -> tuple[str, str] | None:
 
 
 @contextmanager
-def compiling(model: Model) -> Iterator[None]:
+def reporting_compiler_errors(model: Model) -> Iterator[None]:
     """What fails because an equation does not compile is reported as that equation's fault."""
     try:
         yield
     except InputError:
         raise
     except Exception:
-        for where, function in _equations(model):
-            if fault := _compiler_fault(function):
+        for where, function in _located_functions(model):
+            if fault := _compiler_message(function):
                 raise input_error(
                     f"model '{model.name}'", f"{where}: {function.__name__}", fault,
                     "arithmetic, abs and functions of math, which numba can compile",
@@ -95,7 +95,7 @@ def compiling(model: Model) -> Iterator[None]:
         raise
 
 
-def _equations(model: Model) -> Iterator[tuple[str, Function]]:
+def _located_functions(model: Model) -> Iterator[tuple[str, Function]]:
     for s in model.stages:
         if s.function is not None:
             yield f"stage {s.name}", s.function
@@ -104,7 +104,7 @@ def _equations(model: Model) -> Iterator[tuple[str, Function]]:
         yield from ((f"cause {c.name}", f) for f in own)
 
 
-def _compiler_fault(function: Function) -> str:
+def _compiler_message(function: Function) -> str:
     """What the compiler says against a function, in a line; empty where it compiles."""
     try:
         njit(function)(*(0.5 + 0.1 * i for i in range(len(arguments(function)))))

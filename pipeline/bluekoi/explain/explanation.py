@@ -28,13 +28,20 @@ from ..engine.set_score import score
 from ..errors import Finding, InputError, did_you_mean
 from ..fitting import Series
 from .checks import checked_model
-from .comparison import PREDICTION_ERRORS, Fitted, HeldOut, errors_of_sets, held_out, with_criterion
-from .diagnosis import compiling, runs_away
-from .feedback import feedback
+from .comparison import (
+    PREDICTION_ERRORS,
+    Fitted,
+    HeldOut,
+    compare_held_out,
+    errors_by_better_criterion,
+    fit_by_criterion,
+)
+from .diagnosis import divergence_error, reporting_compiler_errors
+from .feedback import feedback_sentences
 from .model import Model
-from .numbers import Number, at_bounds, numbers, undetermined
-from .preparation import Prepared, converged_step, prepare
-from .sampling import at_rate
+from .numbers import Number, at_bound_sentences, fitted_numbers, undetermined_sentences
+from .preparation import Prepared, prepare, step_error_and_warning
+from .sampling import averaged_to_rate
 from .trials import HELD_OUT_ROLE, Trial, series_of, validated_trials, warnings_of
 
 MAX_OVERDISPERSION, MAX_RANDOM_FORCE_SHARE = 2.0, 0.5
@@ -111,40 +118,41 @@ def explain(
             replace(model, causes=[c for c in model.causes if c.name in names]), one, ()
         )
     fit = [t for t in given if t.role != HELD_OUT_ROLE]
-    with compiling(model):
+    with reporting_compiler_errors(model):
         ready = prepare(model, fit, names, progress)
     try:
         visited = search_sets(ready.problem)
     except np.linalg.LinAlgError:
-        raise runs_away(model, fit) from None
+        raise divergence_error(model, fit) from None
     problem = visited.problem
     ready = replace(ready, problem=problem)
     if not np.isfinite(visited.best.log_posterior):
-        raise runs_away(model, fit)
+        raise divergence_error(model, fit)
     progress("probabilities")
     found = posterior(problem, list(visited.sets.values()))
     named, unexplained = named_causes(found, problem.by_name)
     best = best_set(
         found, [c.name for c in named], unexplained > MIN_NAMED_PROBABILITY, problem.by_name
     )
-    bare, final = visited.sets[frozenset()], by_its_causes(problem, best.model)
+    bare, final = visited.sets[frozenset()], fit_without_discrepancy(problem, best.model)
     gains = {c.name: log_evidence_gain(list(visited.sets.values()), best, c.name) for c in named}
     named.sort(key=lambda c: -gains[c.name])
     progress("held-out errors")
     test = test_series(ready, [t for t in given if t.role == HELD_OUT_ROLE])
-    errors = held_out(model, problem, bare.model, final, test)
-    own, base = numbers(problem.kernel, final), numbers(problem.kernel, bare.model)
+    errors = compare_held_out(model, problem, bare.model, final, test)
+    own, base = fitted_numbers(problem.kernel, final), fitted_numbers(problem.kernel, bare.model)
     return Explanation(
         ready, found, verdict_of(model, named, unexplained), tuple(named), gains, unexplained,
         {n: found.inclusion.get(n, 0.0) for n in names},
-        with_criterion(problem, bare.model, errors.fitted_to[0]),
-        with_criterion(problem, final, errors.fitted_to[1]), tuple(own), tuple(base), best,
+        fit_by_criterion(problem, bare.model, errors.fitted_to[0]),
+        fit_by_criterion(problem, final, errors.fitted_to[1]), tuple(own), tuple(base), best,
         errors, tuple(_warnings(ready, given, best, bare, own=own, base=base)),
-        tuple(_compared(ready, visited, tuple(one), test, errors.stretch_s) for one in compare),
+        tuple(_fit_compared_set(ready, visited, tuple(one), test, errors.stretch_s)
+              for one in compare),
     )  # fmt: skip
 
 
-def by_its_causes(problem: Problem, model: FittedSet) -> FittedSet:
+def fit_without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
     """A set fitted by the formulas of its causes alone, as it is simulated and reported: in the
     search its numbers are estimated beside what these formulas leave.
     """
@@ -154,7 +162,7 @@ def by_its_causes(problem: Problem, model: FittedSet) -> FittedSet:
     return plain if plain.usable else model
 
 
-def _compared(
+def _fit_compared_set(
     ready: Prepared, visited: FittedSets, causes: tuple[str, ...], test: Sequence[Series],
     horizon_s: float,
 ) -> ComparedSet:  # fmt: skip
@@ -164,10 +172,12 @@ def _compared(
     if scored is None:
         return ComparedSet(causes, -np.inf, PREDICTION_ERRORS, (), {})
     scored = score(problem, fit_own_noise(problem, scored.model))
-    final = by_its_causes(problem, scored.model)
-    ((criterion, errors),) = errors_of_sets(ready.model, problem, [final], test, horizon_s)
+    final = fit_without_discrepancy(problem, scored.model)
+    ((criterion, errors),) = errors_by_better_criterion(
+        ready.model, problem, [final], test, horizon_s
+    )
     return ComparedSet(causes, scored.log_posterior - best.log_posterior, criterion,
-                    tuple(numbers(problem.kernel, final)), errors)  # fmt: skip
+                    tuple(fitted_numbers(problem.kernel, final)), errors)  # fmt: skip
 
 
 def requested_causes(
@@ -189,8 +199,8 @@ def requested_causes(
 def test_series(ready: Prepared, trials: Sequence[Trial]) -> list[Series]:
     """Further trials as the filter has them, at the rate of the fit."""
     held = [i.held for i in ready.model.inputs]
-    return [at_rate(series_of(ready.model, ready.assembly, t, ready.scales), ready.rate_hz, held)
-            for t in trials]  # fmt: skip
+    series = [series_of(ready.model, ready.assembly, t, ready.scales) for t in trials]
+    return [averaged_to_rate(one, ready.rate_hz, held) for one in series]
 
 
 def verdict_of(model: Model, named: Sequence[NamedCause], unexplained: float) -> str:
@@ -212,25 +222,29 @@ def _warnings(
         )
     if len(best.causes) == ready.problem.most_causes:
         out.append(f"The search ends at {len(best.causes)} causes; more may act.")
-    out += _random_forces(ready, best, bare)
+    out += _random_force_warnings(ready, best, bare)
     passes = best.model.passes
     held = {i.name: i.held and not np.isfinite(ready.rate_hz) for i in ready.model.inputs}
-    out += feedback(held, [s.inputs for s in passes.series], [f.innovations for f in passes])
+    out += feedback_sentences(
+        held, [s.inputs for s in passes.series], [f.innovations for f in passes]
+    )
     labels = {n.label for n in own}
-    out += at_bounds(own) + [
-        f"Baseline: {w}" for w in at_bounds([n for n in base if n.label in labels])
+    out += at_bound_sentences(own) + [
+        f"Baseline: {w}" for w in at_bound_sentences([n for n in base if n.label in labels])
     ]
-    out += undetermined(own)
-    if w := converged_step(ready, _points(ready, best.model), best.model.noise)[1]:
+    out += undetermined_sentences(own)
+    if w := step_error_and_warning(ready, _parameter_vectors(ready, best.model), best.model.noise)[
+        1
+    ]:
         out.append(w)
     return out
 
 
-def _points(ready: Prepared, model: FittedSet) -> list[Float]:
+def _parameter_vectors(ready: Prepared, model: FittedSet) -> list[Float]:
     return Fitted(model, model.fit, "").values(ready.problem, ready.problem.series)
 
 
-def _random_forces(ready: Prepared, best: ScoredSet, bare: ScoredSet) -> list[str]:
+def _random_force_warnings(ready: Prepared, best: ScoredSet, bare: ScoredSet) -> list[str]:
     """Random forces that the named causes hardly reduced, or that last as long as they may."""
     out = []
     for k, channel in enumerate(ready.model.channels):

@@ -34,11 +34,14 @@ def explained_by_innovations(
     if not pairs:
         return 0.0
     target = np.concatenate([u[LAG_SAMPLES:] for u, _ in pairs])
-    own = np.concatenate([_lagged(u[:, None], 1) for u, _ in pairs])
+    own = np.concatenate([_lagged_columns(u[:, None], 1) for u, _ in pairs])
     own = np.column_stack([own, np.ones(len(own))])
-    other = np.concatenate([_lagged(e, 0 if held else 1) for _, e in pairs])
+    other = np.concatenate([_lagged_columns(e, 0 if held else 1) for _, e in pairs])
     df = len(target) - own.shape[1] - other.shape[1]
-    before, after = _squares(own, target), _squares(np.column_stack([own, other]), target)
+    before, after = (
+        _residual_sum_of_squares(own, target),
+        _residual_sum_of_squares(np.column_stack([own, other]), target),
+    )
     least = MIN_RESIDUAL_SHARE * float(np.sum((target - target.mean()) ** 2))
     if df <= 0 or before <= max(least, ROUNDING_SHARE * float(np.sum(target**2))):
         return 0.0
@@ -48,7 +51,7 @@ def explained_by_innovations(
     return float(share) if sure and share > MIN_EXPLAINED_SHARE else 0.0
 
 
-def feedback(
+def feedback_sentences(
     held: Mapping[str, bool], inputs: Sequence[Float], innovations: Sequence[Float]
 ) -> list[str]:
     """A sentence on each input that follows earlier innovations; held: name -> whether it is held;
@@ -66,7 +69,7 @@ def feedback(
     return out
 
 
-def _lagged(columns: Float, first: int) -> Float:
+def _lagged_columns(columns: Float, first: int) -> Float:
     """Columns (n, c) at `first` to L = `LAG_SAMPLES` samples before, (n - L, c (L - first + 1))."""
     count = len(columns)
     return np.column_stack(
@@ -74,7 +77,7 @@ def _lagged(columns: Float, first: int) -> Float:
     )
 
 
-def _squares(design: Float, target: Float) -> float:
+def _residual_sum_of_squares(design: Float, target: Float) -> float:
     scale = np.maximum(np.abs(design).max(axis=0), 1e-300)
     fit = np.linalg.lstsq(design / scale, target, rcond=1e-10)[0]
     return float(np.sum((target - design / scale @ fit) ** 2))

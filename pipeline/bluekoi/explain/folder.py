@@ -49,8 +49,8 @@ def read_trials(model: Model, folder: Path) -> list[Trial]:
         raise input_error(folder, "", "no such folder", f"a folder with {DATA_FILE} and csv files")
     if model.read is not None and not (folder / DATA_FILE).exists():
         return list(model.read(folder))
-    settings = _settings(folder / DATA_FILE)
-    columns = _columns(model, settings, folder / DATA_FILE)
+    settings = _read_data_yaml(folder / DATA_FILE)
+    columns = _columns_and_factors(model, settings, folder / DATA_FILE)
     rows = settings.get("trials")
     if rows is None:
         rows = [{"file": p.name} for p in sorted(folder.iterdir()) if p.suffix.lower() == ".csv"]
@@ -58,13 +58,13 @@ def read_trials(model: Model, folder: Path) -> list[Trial]:
             raise input_error(folder, "", "no csv", "one csv a trial")
     if not isinstance(rows, list) or not rows:
         raise input_error(folder / DATA_FILE, "trials", rows, "a list of {file: NAME.csv}")
-    shared = _numbers(settings.get("constants", {}), folder / DATA_FILE, "constants")
-    _known(shared, tuple(c.name for c in model.constants), folder / DATA_FILE, "constants",
-           "a constant of the model")  # fmt: skip
-    return [_trial(model, folder, row, columns, shared) for row in rows]
+    shared = _numbers_by_name(settings.get("constants", {}), folder / DATA_FILE, "constants")
+    _check_keys(shared, tuple(c.name for c in model.constants), folder / DATA_FILE, "constants",
+                "a constant of the model")  # fmt: skip
+    return [_read_trial(model, folder, row, columns, shared) for row in rows]
 
 
-def _settings(path: Path) -> dict[str, Any]:
+def _read_data_yaml(path: Path) -> dict[str, Any]:
     if not path.exists():
         raise input_error(path, "", "no such file", "the columns of the csv files",
                           "See docs/own_models.md for an example.")  # fmt: skip
@@ -75,11 +75,11 @@ def _settings(path: Path) -> dict[str, Any]:
         raise input_error(path, "", " ".join(str(error).split()), "a yaml file", tab) from None
     if not isinstance(found, dict):
         raise input_error(path, "", type(found).__name__, f"keys {', '.join(DATA_KEYS)}")
-    _known(found, DATA_KEYS, path, "")
+    _check_keys(found, DATA_KEYS, path, "")
     return found
 
 
-def _known(
+def _check_keys(
     given: Mapping[str, Any], keys: tuple[str, ...], path: Path, where: str,
     expected: str = "a known key",
 ) -> None:  # fmt: skip
@@ -90,7 +90,9 @@ def _known(
                           for k in unknown])  # fmt: skip
 
 
-def _columns(model: Model, settings: Mapping[str, Any], path: Path) -> dict[str, tuple[str, float]]:
+def _columns_and_factors(
+    model: Model, settings: Mapping[str, Any], path: Path
+) -> dict[str, tuple[str, float]]:
     """Time, inputs and observations -> column of the csv and factor to the model's unit."""
     wanted = {TIME_COLUMN: "s"} | {i.name: i.unit for i in model.inputs}
     wanted |= {o.name: o.unit for o in model.observations}
@@ -112,11 +114,11 @@ def _columns(model: Model, settings: Mapping[str, Any], path: Path) -> dict[str,
         out[name] = (str(entry["column"]),
                      conversion_factor(str(entry["unit"]), unit, str(path),
                                        f"columns: {name}"))  # fmt: skip
-    _one_unit_each(given, path)
+    _check_one_unit_per_column(given, path)
     return out
 
 
-def _one_unit_each(columns: Mapping[str, Mapping[str, Any]], path: Path) -> None:
+def _check_one_unit_per_column(columns: Mapping[str, Mapping[str, Any]], path: Path) -> None:
     """Nothing, where no column of the csv is said to be in two units."""
     units: dict[str, dict[str, str]] = {}
     for name, entry in columns.items():
@@ -131,18 +133,18 @@ def _one_unit_each(columns: Mapping[str, Mapping[str, Any]], path: Path) -> None
         ])  # fmt: skip
 
 
-def _trial(
+def _read_trial(
     model: Model, folder: Path, row: Any, columns: Mapping[str, tuple[str, float]],
     shared: Mapping[str, float],
 ) -> Trial:  # fmt: skip
     settings = folder / DATA_FILE
     if not isinstance(row, dict) or "file" not in row:
         raise input_error(settings, "trials", row, "{file: NAME.csv}")
-    _known(row, TRIAL_KEYS, settings, "trials")
+    _check_keys(row, TRIAL_KEYS, settings, "trials")
     path = folder / str(row["file"])
-    table = _table(path, columns)
-    start, end = (_number(row.get(k, d), settings, k) for k, d in (("start_s", -np.inf),
-                                                                   ("end_s", np.inf)))  # fmt: skip
+    table = _read_columns(path, columns)
+    start, end = (_checked_number(row.get(k, d), settings, k)
+                  for k, d in (("start_s", -np.inf), ("end_s", np.inf)))  # fmt: skip
     if start > end:
         raise input_error(path, "start_s, end_s", f"an end at {end:g} s before the start at "
                           f"{start:g} s", "a start before the end")  # fmt: skip
@@ -151,13 +153,13 @@ def _trial(
     )
     if len(kept) and not kept.any():
         raise input_error(path, "start_s, end_s", f"no sample from {start:g} to {end:g} s",
-                          f"times within those of the file, {_range(table[TIME_COLUMN])} s",
-                          )  # fmt: skip
-    own = _numbers(row.get("constants", {}), settings, f"trials: {path.name}: constants")
+                          "times within those of the file, "
+                          f"{_time_range_text(table[TIME_COLUMN])} s")  # fmt: skip
+    own = _numbers_by_name(row.get("constants", {}), settings, f"trials: {path.name}: constants")
     side = row.get("evidence", {})
     if not isinstance(side, dict):
         raise input_error(settings, f"trials: {path.name}: evidence", side, "{NAME: [value, std]}")
-    evidence = {str(k): _pair(v, settings, str(k)) for k, v in side.items()}
+    evidence = {str(k): _value_and_std(v, settings, str(k)) for k, v in side.items()}
     return Trial(
         name=str(row.get("name", path.stem)),
         times=table[TIME_COLUMN][kept],
@@ -172,22 +174,22 @@ def _trial(
     )
 
 
-def _range(times: Float) -> str:
+def _time_range_text(times: Float) -> str:
     """First to last time of a file."""
     known = times[np.isfinite(times)]
     return f"{known.min():g} to {known.max():g}" if len(known) else "no times"
 
 
-def _table(path: Path, columns: Mapping[str, tuple[str, float]]) -> dict[str, Float]:
+def _read_columns(path: Path, columns: Mapping[str, tuple[str, float]]) -> dict[str, Float]:
     """Columns of a csv in the model's units."""
-    table = _cells(path)
-    _present(
+    table = _read_csv_cells(path)
+    _check_columns_present(
         path, [str(c) for c in table.columns], list(dict.fromkeys(c for c, _ in columns.values()))
     )
-    return {name: _column(path, table[c], c) * scale for name, (c, scale) in columns.items()}
+    return {name: _as_numbers(path, table[c], c) * scale for name, (c, scale) in columns.items()}
 
 
-def _cells(path: Path) -> pd.DataFrame:
+def _read_csv_cells(path: Path) -> pd.DataFrame:
     """Rows of a csv as text or numbers; columns may be apart by semicolons or tabs, and decimals
     then follow a comma. A repeated name keeps its place with a suffix.
     """
@@ -214,7 +216,7 @@ def _cells(path: Path) -> pd.DataFrame:
     return table.rename(columns=lambda c: str(c).strip())
 
 
-def _present(path: Path, names: Sequence[str], wanted: Sequence[str]) -> None:
+def _check_columns_present(path: Path, names: Sequence[str], wanted: Sequence[str]) -> None:
     """Nothing, where each wanted column is there once."""
     lacking = [c for c in wanted if c not in names]
     found = f"no column {', '.join(map(repr, lacking))}"
@@ -232,7 +234,7 @@ def _present(path: Path, names: Sequence[str], wanted: Sequence[str]) -> None:
         raise InputError(findings)
 
 
-def _column(path: Path, cells: pd.Series, name: str) -> Float:
+def _as_numbers(path: Path, cells: pd.Series, name: str) -> Float:
     """A column as numbers, empty cells NaN."""
     values = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=float)
     bad = np.flatnonzero(np.isnan(values) & cells.notna().to_numpy())
@@ -242,20 +244,20 @@ def _column(path: Path, cells: pd.Series, name: str) -> Float:
     return np.asarray(values)
 
 
-def _numbers(given: Any, path: Path, where: str) -> dict[str, float]:
+def _numbers_by_name(given: Any, path: Path, where: str) -> dict[str, float]:
     if not isinstance(given, dict):
         raise input_error(path, where, given, "{name: number}")
-    return {str(k): _number(v, path, f"{where}: {k}") for k, v in given.items()}
+    return {str(k): _checked_number(v, path, f"{where}: {k}") for k, v in given.items()}
 
 
-def _number(value: Any, path: Path, where: str) -> float:
+def _checked_number(value: Any, path: Path, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise input_error(path, where, f"'{value}'", "a number")
     return float(value)
 
 
-def _pair(value: Any, path: Path, name: str) -> tuple[float, float]:
+def _value_and_std(value: Any, path: Path, name: str) -> tuple[float, float]:
     if not isinstance(value, list) or len(value) != 2:
         raise input_error(path, f"evidence: {name}", value, "[value, standard deviation]")
-    first, second = (_number(v, path, f"evidence: {name}") for v in value)
+    first, second = (_checked_number(v, path, f"evidence: {name}") for v in value)
     return first, second

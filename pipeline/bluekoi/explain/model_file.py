@@ -27,7 +27,7 @@ def load_model(path: Path) -> Model:
     if not path.is_file() or path.suffix != ".py":
         what = "no such file" if not path.is_file() else f"a {path.suffix or 'suffix-less'} file"
         raise input_error(path, "", what, "a python file that defines MODEL")
-    module = _run(path.resolve())
+    module = _import_file(path.resolve())
     found = getattr(module, MODEL_VARIABLE, None)
     if not isinstance(found, Model):
         what = type(found).__name__ if hasattr(module, MODEL_VARIABLE) else "no such name"
@@ -37,13 +37,13 @@ def load_model(path: Path) -> Model:
     return found
 
 
-def _run(path: Path) -> ModuleType:
+def _import_file(path: Path) -> ModuleType:
     """The module of a file; as part of its package where its folder is one."""
     root = path.parent
     while (root / "__init__.py").exists():
         root = root.parent
     if root != path.parent:
-        return _imported(path, root)
+        return _import_from_package(path, root)
     digest = hashlib.sha256(str(path).encode()).hexdigest()[:12]
     name = f"bluekoi_model_{''.join(c if c.isalnum() else '_' for c in path.stem)}_{digest}"
     spec = importlib.util.spec_from_file_location(name, path)
@@ -51,15 +51,15 @@ def _run(path: Path) -> ModuleType:
         raise input_error(path, "", "a file that python cannot load", "a python file")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    with _importing(path, path.parent):
+    with _folder_on_import_path(path, path.parent):
         spec.loader.exec_module(module)
     return module
 
 
-def _imported(path: Path, root: Path) -> ModuleType:
+def _import_from_package(path: Path, root: Path) -> ModuleType:
     """A module of a package whose parent folder is `root`."""
     name = ".".join(path.relative_to(root).with_suffix("").parts)
-    with _importing(path, root):
+    with _folder_on_import_path(path, root):
         module = importlib.import_module(name)
     if Path(str(module.__file__)).resolve() != path:
         raise input_error(path, "", f"another module of the name {name}: {module.__file__}",
@@ -68,7 +68,7 @@ def _imported(path: Path, root: Path) -> ModuleType:
 
 
 @contextmanager
-def _importing(path: Path, root: Path) -> Iterator[None]:
+def _folder_on_import_path(path: Path, root: Path) -> Iterator[None]:
     """With a folder on the import path; an error in the file names the file and its line."""
     sys.path.insert(0, str(root))
     try:
@@ -76,13 +76,13 @@ def _importing(path: Path, root: Path) -> Iterator[None]:
     except InputError:
         raise
     except (Exception, SystemExit) as error:  # sys.exit would end the command without a word
-        raise input_error(path, _line(error, path), f"{type(error).__name__}: {error}",
+        raise input_error(path, _error_line(error, path), f"{type(error).__name__}: {error}",
                           "a file that runs") from None  # fmt: skip
     finally:
         sys.path.remove(str(root))
 
 
-def _line(error: BaseException, path: Path) -> str:
+def _error_line(error: BaseException, path: Path) -> str:
     """Where in the file an error was raised."""
     if isinstance(error, SyntaxError) and error.lineno:
         return f"line {error.lineno}"

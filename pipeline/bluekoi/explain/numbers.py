@@ -11,7 +11,7 @@ from ..engine import FittedSet
 from ..fitting import cluster_covariance, inverse_fisher
 from ..integrate import Kernel
 
-SINGLE_TRIAL_FACTOR = 2.0
+SINGLE_TRIAL_VARIANCE_FACTOR = 2.0
 """A number that one trial alone informs on: its naive variance counts twice."""
 
 
@@ -28,12 +28,12 @@ class Number:
     at_bound: str = ""
 
 
-def numbers(kernel: Kernel, model: FittedSet) -> list[Number]:
+def fitted_numbers(kernel: Kernel, model: FittedSet) -> list[Number]:
     """The numbers of a fitted set; a covariance that diverges leaves them without deviations."""
     move = ~model.at_bound
     std = np.full(len(move), np.nan)
     with contextlib.suppress(np.linalg.LinAlgError, ValueError, FloatingPointError):
-        std = _deviations(model, move)  # else NaN, and `undetermined` names the numbers
+        std = _standard_deviations(model, move)  # else NaN, and `undetermined_sentences`
     out = []
     for free, value, s in zip(model.fit.free, model.fit.values, std, strict=True):
         p = kernel.system.parameters[kernel.system.slot[free.name]]
@@ -43,18 +43,18 @@ def numbers(kernel: Kernel, model: FittedSet) -> list[Number]:
 
 
 @np.errstate(all="ignore")
-def _deviations(model: FittedSet, move: np.ndarray) -> np.ndarray:
+def _standard_deviations(model: FittedSet, move: np.ndarray) -> np.ndarray:
     spread = cluster_covariance(model.fit.normal, move)
     variance, df = np.diag(spread.cov).copy(), spread.df.copy()
     alone = np.flatnonzero(move & (df == 0))
-    naive = SINGLE_TRIAL_FACTOR * np.diag(inverse_fisher(model.fit.normal, move))
+    naive = SINGLE_TRIAL_VARIANCE_FACTOR * np.diag(inverse_fisher(model.fit.normal, move))
     variance[alone] = np.maximum(variance[alone], naive[alone])
     std = np.sqrt(variance)
     std[~move | ~np.isfinite(std) | (std <= 0)] = np.nan
     return np.asarray(std)
 
 
-def at_bounds(found: list[Number]) -> list[str]:
+def at_bound_sentences(found: list[Number]) -> list[str]:
     """A sentence for each number at a bound."""
     return [f"{n.label} stands at its {n.at_bound} bound, {n.value:g} {n.unit}: its value is not "
             "determined; check the units of the columns, widen the bound or leave out what it "
@@ -62,7 +62,7 @@ def at_bounds(found: list[Number]) -> list[str]:
             for n in found if n.at_bound]  # fmt: skip
 
 
-def undetermined(found: list[Number]) -> list[str]:
+def undetermined_sentences(found: list[Number]) -> list[str]:
     """A sentence on numbers without a finite deviation."""
     names = [n.label for n in found if not n.at_bound and not np.isfinite(n.std)]
     if not names:

@@ -13,7 +13,14 @@ from ..fitting import Noise, Series, filter_series, free_runs
 from ..fitting.filtering import with_noise
 from ..integrate import Kernel
 from ..integrate.batch import in_lanes, propagate
-from .comparison import PREDICTION_ERRORS, Fitted, errors_of, folds_of, refitted, with_criterion
+from .comparison import (
+    PREDICTION_ERRORS,
+    Fitted,
+    condition_folds,
+    fit_by_criterion,
+    refit_to_other_trials,
+    rms_errors,
+)
 from .explanation import Explanation, test_series
 from .model import Model
 from .trials import Trial, validated_trials
@@ -65,7 +72,7 @@ def predict(
     site = tuple(c for c in found.extended.model.causes
                  if c in model.by_name and model.by_name[c].site)  # fmt: skip
     models = {"baseline": found.baseline, "extended": without_site_causes(found, site)}
-    runs = {(name, start): _runs(found, one, series, known)
+    runs = {(name, start): _simulate_trials(found, one, series, known)
             for name, one in models.items()
             for start, known in ((START_FITTED, np.inf), (START_ESTIMATED, known_s))}  # fmt: skip
     messages = [f"{c} belongs to the site of the fitted recordings and is not applied here."
@@ -75,8 +82,8 @@ def predict(
             "The verdict is unexplained: forces without a name were fitted to other "
             "recordings, and predictions with them may be worse than the baseline's."
         )
-    messages += [*_groups(found, series), *runaways(runs)]
-    return Predicted(runs, [_measures(model, s, s.seen) for s in series], known_s, site,
+    messages += [*_unfitted_group_sentences(found, series), *runaway_sentences(runs)]
+    return Predicted(runs, [_measures_of_path(model, s, s.seen) for s in series], known_s, site,
                      tuple(messages))  # fmt: skip
 
 
@@ -89,7 +96,7 @@ def without_site_causes(found: Explanation, site: Sequence[str]) -> Fitted:
     return replace(one, fit=replace(one.fit, values=values))
 
 
-def _groups(found: Explanation, series: Sequence[Series]) -> list[str]:
+def _unfitted_group_sentences(found: Explanation, series: Sequence[Series]) -> list[str]:
     known = {f.group for f in found.extended.fit.free if f.group is not None}
     new = sorted({s.group for s in series} - known) if known else []
     return [f"Group '{g}' was not fitted: its coefficients are at their start values." for g in new]
@@ -100,33 +107,35 @@ def predict_left_out(found: Explanation, *, known_s: float = DEFAULT_KNOWN_S) ->
     problem, model = found.prepared.problem, found.model
     series = list(problem.series)
     runs: dict[tuple[str, str], dict[str, Run]] = {}
-    for fold in folds_of(series):
+    for fold in condition_folds(series):
         rest = replace(problem, series=tuple(s for s in series if s.condition not in fold))
         own = [s for s in series if s.condition in fold]
         for name, one in (("baseline", found.baseline), ("extended", found.extended)):
             again = one
             if rest.series:
-                again = with_criterion(rest, refitted(rest, one.model), one.criterion)
+                again = fit_by_criterion(
+                    rest, refit_to_other_trials(rest, one.model), one.criterion
+                )
             for start, known in ((START_FITTED, np.inf), (START_ESTIMATED, known_s)):
                 every = runs.setdefault((name, start), {})
-                every |= {r.trial: r for r in _runs(found, again, own, known)}
+                every |= {r.trial: r for r in _simulate_trials(found, again, own, known)}
     ordered = {key: [rows[s.name] for s in series] for key, rows in runs.items()}
-    measured = [_measures(model, s, s.seen) for s in series]
-    return Predicted(ordered, measured, known_s, (), tuple(runaways(ordered)))
+    measured = [_measures_of_path(model, s, s.seen) for s in series]
+    return Predicted(ordered, measured, known_s, (), tuple(runaway_sentences(ordered)))
 
 
-def runaways(runs: Mapping[tuple[str, str], Sequence[Run]]) -> list[str]:
+def runaway_sentences(runs: Mapping[tuple[str, str], Sequence[Run]]) -> list[str]:
     """A sentence for each model that runs away from trials, whatever the start."""
     away: dict[str, list[str]] = {}
     for (name, _), rows in runs.items():
         own = away.setdefault(name, [])
-        own += [r.trial for r in rows if r.trial not in own and _is_away(r)]
+        own += [r.trial for r in rows if r.trial not in own and _has_run_away(r)]
     return [f"Free runs of the {name} model leave {', '.join(trials)} by more than "
             f"{RUNAWAY_RANGES:g} times their range: small errors grow without limit there, or the "
             "model does not hold." for name, trials in away.items() if trials]  # fmt: skip
 
 
-def _is_away(run: Run) -> bool:
+def _has_run_away(run: Run) -> bool:
     known = np.isfinite(run.seen)
     error = np.where(known, np.abs(run.simulated - run.seen), 0.0)
     extent = np.nanmax(run.seen, axis=0) - np.nanmin(run.seen, axis=0)
@@ -134,7 +143,9 @@ def _is_away(run: Run) -> bool:
 
 
 @np.errstate(all="ignore")
-def _runs(found: Explanation, one: Fitted, series: Sequence[Series], known_s: float) -> list[Run]:
+def _simulate_trials(
+    found: Explanation, one: Fitted, series: Sequence[Series], known_s: float
+) -> list[Run]:
     problem, model = found.prepared.problem, found.model
     values = one.values(problem, series)
     if np.isfinite(known_s):  # the filter goes with the fit by its prediction errors
@@ -146,13 +157,15 @@ def _runs(found: Explanation, one: Fitted, series: Sequence[Series], known_s: fl
         observed = [run.observed for run in runs]
     out = []
     for s, y in zip(series, observed, strict=True):
-        later = ~is_known(s, known_s) if np.isfinite(known_s) else np.ones(len(y), dtype=bool)
-        errors = errors_of(model, [(y - s.seen)[later]])
-        out.append(Run(s.name, s.times, y, s.seen, errors, _measures(model, s, y)))
+        later = (
+            ~in_first_seconds(s, known_s) if np.isfinite(known_s) else np.ones(len(y), dtype=bool)
+        )
+        errors = rms_errors(model, [(y - s.seen)[later]])
+        out.append(Run(s.name, s.times, y, s.seen, errors, _measures_of_path(model, s, y)))
     return out
 
 
-def is_known(one: Series, known_s: float) -> np.ndarray:
+def in_first_seconds(one: Series, known_s: float) -> np.ndarray:
     """Frames (n,) in the first seconds of a trial, by its clock; after its first sample where it
     begins later.
     """
@@ -164,7 +177,7 @@ def forecast(kernel: Kernel, one: Series, values: Float, noise: Noise, known_s: 
     """Observations (n, observations) predicted from the first `known_s` seconds of a trial by the
     filter, lasting errors and all.
     """
-    known = is_known(one, known_s)
+    known = in_first_seconds(one, known_s)
     beginning = replace(one, seen=np.where(known[:, None], one.seen, np.nan))
     states = filter_series(kernel, beginning, values, noise).predicted
     count, full = len(one.times), with_noise(kernel, values, noise)
@@ -174,7 +187,7 @@ def forecast(kernel: Kernel, one: Series, values: Float, noise: Noise, known_s: 
     return observed[:, 0, :, 0]
 
 
-def _measures(model: Model, series: Series, observed: Float) -> dict[str, float]:
+def _measures_of_path(model: Model, series: Series, observed: Float) -> dict[str, float]:
     if model.measures is None:
         return {}
     known = np.isfinite(observed).all(axis=1)

@@ -14,19 +14,19 @@ from ..engine.candidates import RESIDUAL
 from ..fitting import Free, Noise, Series, filter_all, trial_values
 from ..fitting.filtering import disturbance_slots
 from ..integrate import Kernel, compiled
-from .diagnosis import runs_away
+from .diagnosis import divergence_error
 from .model import Model
 from .sampling import MIN_SAMPLES_PER_BLOCK, block_rate_hz
-from .stepping import MAX_LOG_LIKELIHOOD_CHANGE, longest_step_s, rates_per_s, step_error
+from .stepping import MAX_LOG_LIKELIHOOD_CHANGE, fastest_rates_per_s, longest_step_s, step_error
 from .system_assembly import AssembledSystem, assemble_system, scaled_variables
-from .trials import Trial, all_series, cut_trials, time_unit_warnings
+from .trials import Trial, cut_trials, series_of_trials, time_unit_warnings
 
 MIN_TRIALS, MIN_SEGMENTS, MIN_SEGMENT_FRAMES = 4, 4, 50
 """Fewer trials are cut into stretches, so many in all or more, of so many frames at least. Each cut
 loses the information of the state before it: no more cuts than resampling needs."""
 MAX_CAUSES_PER_SET, MAX_SAMPLES = 6, 6000
 """Causes of a set, and samples of all trials beyond which they are averaged in blocks."""
-FORCE_GUESSES = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))
+INITIAL_RANDOM_FORCES = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))
 """Random forces, in units of the channel, among which the first guess is chosen."""
 
 
@@ -53,27 +53,27 @@ def prepare(
     """`Prepared` with the candidates of these names and all residual terms."""
     progress("time constants")
     warnings: list[str] = []
-    trials, cut = _enough(trials)
+    trials, cut = _cut_few_trials(trials)
     if cut:
         one = "1 recording gives" if cut == 1 else f"{cut} recordings give"
         warnings.append(f"{one} {len(trials)} stretches that serve as trials; what differs from "
                         "one recording to another cannot be judged.")  # fmt: skip
-    scales = scales_of(model, trials)
-    rate = rate_of_fit_hz(model, trials)
+    scales = variable_scales(model, trials)
+    rate = fit_rate_hz(model, trials)
     assembly = assemble_system(model, hold=not np.isfinite(rate))
     kernel = compiled(assembly.system)
-    base, free = assembly.system.values({}), coefficients_of(model, trials)
-    series = all_series(model, assembly, trials, scales, rate)
-    noise = first_noise(kernel, series, base)
+    base, free = assembly.system.values({}), free_coefficients(model, trials)
+    series = series_of_trials(model, assembly, trials, scales, rate)
+    noise = initial_noise(kernel, series, base)
     if noise is None:
-        raise runs_away(model, trials)
+        raise divergence_error(model, trials)
     fastest = partial(max_rate_per_s, kernel, series, base, noise=noise)
     warnings += time_unit_warnings(trials, fastest(names=()))
     step = longest_step_s(fastest(names=names))
     force = {c: float(np.median(noise.disturbance[k])) for k, c in enumerate(model.channels)}
     assembly = assemble_system(model, force_scale=force, step_s=step, hold=not np.isfinite(rate))
     kernel = compiled(assembly.system)
-    series = all_series(model, assembly, trials, scales, rate)
+    series = series_of_trials(model, assembly, trials, scales, rate)
     named = [*names, *([RESIDUAL] if assembly.residual_sources else [])]
     problem = Problem(
         kernel=kernel, series=tuple(series), base=base, coefficients=free,
@@ -86,7 +86,7 @@ def prepare(
                     tuple(warnings))  # fmt: skip
 
 
-def _enough(trials: Sequence[Trial]) -> tuple[Sequence[Trial], int]:
+def _cut_few_trials(trials: Sequence[Trial]) -> tuple[Sequence[Trial], int]:
     """Trials, cut into stretches where they are few, and how many were cut."""
     if len(trials) >= MIN_TRIALS:
         return trials, 0
@@ -95,7 +95,7 @@ def _enough(trials: Sequence[Trial]) -> tuple[Sequence[Trial], int]:
     return (cut_trials(trials, count), len(trials)) if count > 1 else (trials, 0)
 
 
-def coefficients_of(model: Model, trials: Sequence[Trial]) -> tuple[Free, ...]:
+def free_coefficients(model: Model, trials: Sequence[Trial]) -> tuple[Free, ...]:
     """The model's own numbers; of those per group, one for each."""
     groups = sorted({t.group for t in trials})
     out: list[Free] = []
@@ -105,7 +105,7 @@ def coefficients_of(model: Model, trials: Sequence[Trial]) -> tuple[Free, ...]:
     return tuple(out)
 
 
-def scales_of(model: Model, trials: Sequence[Trial]) -> dict[str, float]:
+def variable_scales(model: Model, trials: Sequence[Trial]) -> dict[str, float]:
     """Typical size of each variable of residual terms: root mean square of an input or of the
     observation that a state is, or of its slope.
     """
@@ -116,7 +116,7 @@ def scales_of(model: Model, trials: Sequence[Trial]) -> dict[str, float]:
         if v in observed:
             rows = [t.observed[observed[v]] for t in trials]
         elif v in slopes:
-            rows = [_slopes(t.times, t.observed[slopes[v]]) for t in trials]
+            rows = [_mean_slopes(t.times, t.observed[slopes[v]]) for t in trials]
         else:
             rows = [t.inputs.get(v, np.ones(1)) for t in trials]
         size = float(np.sqrt(np.nanmean(np.concatenate(rows) ** 2)))
@@ -124,14 +124,14 @@ def scales_of(model: Model, trials: Sequence[Trial]) -> dict[str, float]:
     return out
 
 
-def _slopes(times: Float, values: Float) -> Float:
+def _mean_slopes(times: Float, values: Float) -> Float:
     """Mean slopes over fortieths of a trial."""
     known = np.isfinite(values)
     grid = np.linspace(times[0], times[-1], 41)
     return np.diff(np.interp(grid, times[known], values[known])) / np.diff(grid)
 
 
-def rate_of_fit_hz(model: Model, trials: Sequence[Trial]) -> float:
+def fit_rate_hz(model: Model, trials: Sequence[Trial]) -> float:
     """Rate at which all trials together have `MAX_SAMPLES` samples, or the model's own; infinite
     where they have fewer, and where blocks would hold fewer samples than an average needs.
     """
@@ -146,8 +146,8 @@ def rate_of_fit_hz(model: Model, trials: Sequence[Trial]) -> float:
     return block_rate_hz([t.times for t in trials], rate)
 
 
-def first_noise(kernel: Kernel, series: Sequence[Series], base: Float) -> Noise | None:
-    """Initial estimate of the random part: the likeliest of `FORCE_GUESSES` for random forces,
+def initial_noise(kernel: Kernel, series: Sequence[Series], base: Float) -> Noise | None:
+    """Initial estimate of the random part: the likeliest of `INITIAL_RANDOM_FORCES`,
     errors that last as large as the stated ones. None where the model runs away with all of them.
     """
     forces = [e for e in kernel.system.effects if e.kind == "disturbance" and e.channels]
@@ -169,7 +169,7 @@ def first_noise(kernel: Kernel, series: Sequence[Series], base: Float) -> Noise 
         total = sum(f.log_likelihood for f in passed)
         return float(total) if np.isfinite(total) else -np.inf
 
-    found = {size: likelihood(size) for size in (FORCE_GUESSES if pushed else (0.0,))}
+    found = {size: likelihood(size) for size in (INITIAL_RANDOM_FORCES if pushed else (0.0,))}
     best = max(found, key=lambda size: found[size])
     return noise(best) if np.isfinite(found[best]) else None
 
@@ -181,17 +181,19 @@ def max_rate_per_s(
     system = kernel.system
     points = [base] * len(series)
     passes = filter_all(kernel, series, points, noise)
-    fast = float(rates_per_s(kernel, passes, points).max())
+    fast = float(fastest_rates_per_s(kernel, passes, points).max())
     for name in names:
         effect = system.effect(name)
         own = base.copy()
         for p in effect.parameters[: effect.strengths]:
             own[system.slot[f"{name}.{p.name}"]] = p.typical
-        fast = max(fast, float(rates_per_s(kernel, passes, [own] * len(series)).max()))
+        fast = max(fast, float(fastest_rates_per_s(kernel, passes, [own] * len(series)).max()))
     return fast
 
 
-def converged_step(given: Prepared, values: Sequence[Float], noise: Noise) -> tuple[float, str]:
+def step_error_and_warning(
+    given: Prepared, values: Sequence[Float], noise: Noise
+) -> tuple[float, str]:
     """Effect of half the integration step on the log likelihood, and a warning where it matters."""
     finer = assemble_system(
         given.model, step_s=0.5 * given.step_s, hold=not np.isfinite(given.rate_hz)

@@ -13,7 +13,7 @@ from ..errors import Finding
 if TYPE_CHECKING:
     from .trials import Trial
 
-SPIKE_RANGES, MIN_SPIKE_SAMPLES = 10.0, 20
+MIN_SPIKE_DISTANCE_RANGES, MIN_SPIKE_SAMPLES = 10.0, 20
 """A single sample that lies further from both its neighbours than so many times the range of all
 others is no measurement; asked of columns with so many samples."""
 
@@ -51,7 +51,7 @@ def spike_findings(file: str, name: str, column: Float) -> list[Finding]:
     size = np.where(out_and_back, np.minimum(np.abs(step[:-1]), np.abs(step[1:])), 0.0)
     far = np.concatenate([[False], size > 0.1 * size.max(), [False]])
     rest = float(np.ptp(x[~far]))
-    spikes = np.flatnonzero(size > SPIKE_RANGES * rest) + 1
+    spikes = np.flatnonzero(size > MIN_SPIKE_DISTANCE_RANGES * rest) + 1
     if not (rest > 0.0 and len(spikes)):
         return []
     k = int(spikes[0])

@@ -26,37 +26,38 @@ def explanation_json(found: Explanation) -> dict[str, Any]:
     return {
         "model": found.model.name,
         "verdict": found.verdict,
-        "sentence": sentence(found),
-        "causes": causes(found),
-        "rivals": rivals(found),
+        "sentence": verdict_sentence(found),
+        "causes": causes_json(found),
+        "rivals": rivals_json(found),
         "probabilities": {**found.probabilities, UNEXPLAINED: found.unexplained},
         "held_out": {
             "trials": list(held.trials),
-            "baseline": _finite(held.baseline),
-            "extended": _finite(held.extended),
-            "noise_floor": _finite(held.noise_floor),
+            "baseline": _finite_values(held.baseline),
+            "extended": _finite_values(held.extended),
+            "noise_floor": _finite_values(held.noise_floor),
             "baseline_fitted_to": held.fitted_to[0],
             "extended_fitted_to": held.fitted_to[1],
             "stretch_s": held.stretch_s,
         },
-        "coefficients": {"baseline": _numbers(found.baseline_numbers),
-                         "extended": _numbers(found.numbers)},
-        "residual_terms": residual_terms(found),
-        "overdispersion": _number(found.best.overdispersion),
-        "fit": {"rate_hz": _number(found.prepared.rate_hz), "step_s": found.prepared.step_s,
+        "coefficients": {"baseline": _numbers_json(found.baseline_numbers),
+                         "extended": _numbers_json(found.numbers)},
+        "residual_terms": residual_term_probabilities(found),
+        "overdispersion": _finite_or_none(found.best.overdispersion),
+        "fit": {"rate_hz": _finite_or_none(found.prepared.rate_hz), "step_s": found.prepared.step_s,
                 "trials": [s.name for s in found.prepared.series],
                 "samples": sum(len(s.times) for s in found.prepared.series)},
-        "sets": _sets(found),
+        "sets": _sets_json(found),
         "compared": [
-            {"causes": list(c.causes), "log_posterior": _number(c.log_posterior),
-             "fitted_to": c.fitted_to, "numbers": _numbers(c.numbers), "errors": _finite(c.errors)}
+            {"causes": list(c.causes), "log_posterior": _finite_or_none(c.log_posterior),
+             "fitted_to": c.fitted_to, "numbers": _numbers_json(c.numbers),
+             "errors": _finite_values(c.errors)}
             for c in found.compared
         ],
         "warnings": list(found.warnings),
     }  # fmt: skip
 
 
-def sentence(found: Explanation) -> str:
+def verdict_sentence(found: Explanation) -> str:
     """The verdict in a sentence or two."""
     if found.verdict == "none" and (excess := error_over_floor(found)) > MAX_NOISE_FLOOR_RATIO:
         return (
@@ -81,12 +82,12 @@ def error_over_floor(found: Explanation) -> float:
     return max(ratios, default=0.0)
 
 
-def causes(found: Explanation) -> list[dict[str, Any]]:
+def causes_json(found: Explanation) -> list[dict[str, Any]]:
     """The named causes with their numbers."""
-    return [_cause(found, c) for c in found.named]
+    return [_cause_json(found, c) for c in found.named]
 
 
-def _cause(found: Explanation, named: NamedCause) -> dict[str, Any]:
+def _cause_json(found: Explanation, named: NamedCause) -> dict[str, Any]:
     cause = found.model.by_name[named.name]
     effect = found.prepared.assembly.system.effect(named.name)
     own = [n for n in found.numbers if n.label.startswith(named.name + ".")]
@@ -97,17 +98,17 @@ def _cause(found: Explanation, named: NamedCause) -> dict[str, Any]:
         "channels": list(effect.channels),
         "variables": list(effect.variables),
         "regime": cause.regime,
-        "parameters": {k.split(".", 1)[1]: v for k, v in _numbers(own).items()},
+        "parameters": {k.split(".", 1)[1]: v for k, v in _numbers_json(own).items()},
         "weight": named.probability,
-        "credible_set": [_shown(found, n) for n in named.credible_set],
-        "log_evidence_gain": _number(found.gains[named.name]),
+        "credible_set": [_name_or_unexplained(found, n) for n in named.credible_set],
+        "log_evidence_gain": _finite_or_none(found.gains[named.name]),
         "sentence": cause.statement,
     }
 
 
-def rivals(found: Explanation) -> list[dict[str, Any]]:
+def rivals_json(found: Explanation) -> list[dict[str, Any]]:
     """Candidates that may act in the place of a named cause, or beside the named ones."""
-    return rival_rows(found.named, found.probabilities, partial(_shown, found))
+    return rival_rows(found.named, found.probabilities, partial(_name_or_unexplained, found))
 
 
 def rival_rows(
@@ -125,32 +126,33 @@ def rival_rows(
     return sorted(out, key=lambda r: -float(r["weight"]))
 
 
-def _shown(found: Explanation, name: str) -> str:
+def _name_or_unexplained(found: Explanation, name: str) -> str:
     return name if name in found.model.by_name else UNEXPLAINED
 
 
-def residual_terms(found: Explanation) -> dict[str, float]:
+def residual_term_probabilities(found: Explanation) -> dict[str, float]:
     """Residual terms with their probabilities, the largest first."""
     rest = {n: p for n, p in found.posterior.inclusion.items()
             if n not in found.model.by_name and p >= MIN_RIVAL_PROBABILITY}  # fmt: skip
     return dict(sorted(rest.items(), key=lambda x: -x[1]))
 
 
-def _sets(found: Explanation) -> list[dict[str, Any]]:
+def _sets_json(found: Explanation) -> list[dict[str, Any]]:
     pairs = zip(found.posterior.probability, found.posterior.sets, strict=True)
     best = found.posterior.best.log_posterior
     return [
         {"causes": list(s.causes), "probability": float(p),
-         "log_posterior": s.log_posterior - best, "overdispersion": _number(s.overdispersion)}
+         "log_posterior": s.log_posterior - best,
+         "overdispersion": _finite_or_none(s.overdispersion)}
         for p, s in sorted(pairs, key=lambda x: -x[0]) if p >= 1e-3
     ]  # fmt: skip
 
 
-def _numbers(given: Sequence[Number]) -> dict[str, dict[str, Any]]:
+def _numbers_json(given: Sequence[Number]) -> dict[str, dict[str, Any]]:
     return {
         n.label: {
             "value": n.value,
-            "std": _number(n.std),
+            "std": _finite_or_none(n.std),
             "unit": n.unit,
             **({"at_bound": n.at_bound} if n.at_bound else {}),
         }
@@ -158,12 +160,12 @@ def _numbers(given: Sequence[Number]) -> dict[str, dict[str, Any]]:
     }
 
 
-def _number(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _finite(given: dict[str, float]) -> dict[str, float | None]:
-    return {k: _number(v) for k, v in given.items()}
+def _finite_values(given: dict[str, float]) -> dict[str, float | None]:
+    return {k: _finite_or_none(v) for k, v in given.items()}
 
 
 def prediction_json(found: Predicted) -> dict[str, Any]:
@@ -172,10 +174,10 @@ def prediction_json(found: Predicted) -> dict[str, Any]:
         "known_s": found.known_s,
         "not_applied": list(found.not_applied),
         "messages": list(found.messages),
-        "measured": [_finite(m) for m in found.measured],
+        "measured": [_finite_values(m) for m in found.measured],
         "runs": [
-            {"model": model, "start": start, "trial": r.trial, "errors": _finite(r.errors),
-             "measures": _finite(r.measures)}
+            {"model": model, "start": start, "trial": r.trial, "errors": _finite_values(r.errors),
+             "measures": _finite_values(r.measures)}
             for (model, start), runs in found.runs.items() for r in runs
         ],
     }  # fmt: skip

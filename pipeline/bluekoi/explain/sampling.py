@@ -19,18 +19,18 @@ BLOCK_POLYNOMIAL_DEGREE = 2
 
 def block_rate_hz(times: Sequence[Float], rate_hz: float) -> float:
     """The rate, or infinity where some trial has fewer than five samples in a block of it."""
-    sizes = [_block_size(t, rate_hz) for t in times]
+    sizes = [_samples_per_block(t, rate_hz) for t in times]
     enough = all(k >= MIN_SAMPLES_PER_BLOCK and len(t) // k >= MIN_SAMPLES_PER_BLOCK
                  for k, t in zip(sizes, times, strict=True))  # fmt: skip
     return rate_hz if enough else np.inf
 
 
-def _block_size(times: Float, rate_hz: float) -> int:
+def _samples_per_block(times: Float, rate_hz: float) -> int:
     step = float(np.median(np.diff(times)))
     return int(1.0 / (rate_hz * step) + 1e-6) if np.isfinite(rate_hz) else 1
 
 
-def at_rate(series: Series, rate_hz: float, held: Sequence[bool]) -> Series:
+def averaged_to_rate(series: Series, rate_hz: float, held: Sequence[bool]) -> Series:
     """A series at about `rate_hz`; itself where that is infinite.
 
     held (inputs,): whether an input keeps its value until the next sample.
@@ -41,7 +41,7 @@ def at_rate(series: Series, rate_hz: float, held: Sequence[bool]) -> Series:
     about every block, which means over blocks do not.
     """
     step = float(np.median(np.diff(series.times)))
-    size = _block_size(series.times, rate_hz)
+    size = _samples_per_block(series.times, rate_hz)
     if size < MIN_SAMPLES_PER_BLOCK:
         return series
     count = len(series.times) // size
@@ -50,7 +50,7 @@ def at_rate(series: Series, rate_hz: float, held: Sequence[bool]) -> Series:
     used = np.unique(block)
     parts = [np.flatnonzero(block == k) for k in used]
     times = np.array([series.times[p].mean() for p in parts])
-    rows = [_middle(series, p, t) for p, t in zip(parts, times, strict=True)]
+    rows = [_block_midpoint(series, p, t) for p, t in zip(parts, times, strict=True)]
     seen = np.array([y for y, _ in rows])
     noise = np.array([r for _, r in rows])
     inputs = np.zeros((len(times), series.inputs.shape[1]))
@@ -60,7 +60,7 @@ def at_rate(series: Series, rate_hz: float, held: Sequence[bool]) -> Series:
     return replace(series, times=times, seen=seen, noise=noise, inputs=inputs)
 
 
-def _middle(series: Series, part: np.ndarray, time: float) -> tuple[Float, Float]:
+def _block_midpoint(series: Series, part: np.ndarray, time: float) -> tuple[Float, Float]:
     """Observations (o,) and their covariance (o, o) in the middle of a block."""
     count = series.seen.shape[1]
     seen, factor = np.full(count, np.nan), np.ones(count)

@@ -24,7 +24,7 @@ MAX_LOG_LIKELIHOOD_CHANGE = 0.5
 """Log likelihood that a step of half the length may change."""
 
 
-def rates_per_s(kernel: Kernel, passes: FilterResults, values: Sequence[Float]) -> Float:
+def fastest_rates_per_s(kernel: Kernel, passes: FilterResults, values: Sequence[Float]) -> Float:
     """Largest |eigenvalue| (states visited,), 1/s, of the model's own states along trials."""
     out = []
     each = max(1, MAX_LINEARISED_STATES // max(len(passes), 1))

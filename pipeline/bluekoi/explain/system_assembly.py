@@ -109,14 +109,14 @@ def residual_terms(model: Model) -> list[ResidualTerm]:
                 ResidualTerm(f"{c}_{v}_{kind}", c, v, "{k} * " + text)
                 for kind, text in forms.items()
             ]
-    return [t for t in out if not any(_same_force(model, cause, t) for cause in model.causes)]
+    return [t for t in out if not any(_has_same_force(model, cause, t) for cause in model.causes)]
 
 
 PROBED_STATES = 5
 """States, drawn at random, at which it is asked which outputs a cause changes."""
 
 
-def _same_force(model: Model, cause: Cause, term: ResidualTerm) -> bool:
+def _has_same_force(model: Model, cause: Cause, term: ResidualTerm) -> bool:
     """Whether a named cause is the force of a residual term, which then has a name."""
     stage = model.force
     if stage is None or set(cause.hooks) != {stage.name} or cause.strengths != 1 or cause.rates:

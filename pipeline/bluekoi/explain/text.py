@@ -10,10 +10,10 @@ from .explanation import Explanation
 from .model import Model
 from .numbers import Number
 from .prediction import Predicted
-from .results_json import residual_terms, rivals, sentence
+from .results_json import residual_term_probabilities, rivals_json, verdict_sentence
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+def markdown_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """A Markdown table."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
@@ -21,23 +21,23 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 def summary(found: Explanation) -> str:
     """Verdict, causes with their numbers, probabilities, held-out errors and warnings."""
-    parts = [f"{found.model.name}: {found.verdict}", sentence(found)]
+    parts = [f"{found.model.name}: {found.verdict}", verdict_sentence(found)]
     if found.named:
-        parts.append(table(("cause", "kind", "probability", "gain", "size", "credible set"),
-                           cause_rows(found)))  # fmt: skip
-    parts.append(table(("coefficient", "baseline", "with the named causes"),
-                       coefficient_rows(found)))  # fmt: skip
-    parts.append(table(("error, conditions left out", "baseline", "extended", "noise floor"),
-                       error_rows(found)))  # fmt: skip
+        head = ("cause", "kind", "probability", "gain", "size", "credible set")
+        parts.append(markdown_table(head, cause_rows(found)))
+    parts.append(markdown_table(("coefficient", "baseline", "with the named causes"),
+                                coefficient_rows(found)))  # fmt: skip
+    errors_head = ("error, conditions left out", "baseline", "extended", "noise floor")
+    parts.append(markdown_table(errors_head, error_rows(found)))
     held = found.held_out
     parts.append(f"Fitted to {held.fitted_to[0]} (baseline) and {held.fitted_to[1]} (extended); "
                  f"stretches of {held.stretch_s:.3g} s at most.")  # fmt: skip
-    parts.append(table(("probability", ""), probability_rows(found)))
-    others = rivals(found)
+    parts.append(markdown_table(("probability", ""), probability_rows(found)))
+    others = rivals_json(found)
     if others:
         parts.append("Not excluded: " + ", ".join(f"{r['name']} {r['weight']:.2f}" for r in others))
     if found.compared:
-        parts.append(table(*compared_table(found)))
+        parts.append(markdown_table(*compared_table(found)))
     parts += [f"Warning: {w}" for w in found.warnings]
     return "\n\n".join(parts)
 
@@ -49,12 +49,12 @@ def cause_rows(found: Explanation) -> list[tuple[str, ...]]:
         own = [n for n in found.numbers if n.label.startswith(c.name + ".")]
         names = [n if n in found.model.by_name else "unexplained" for n in c.credible_set]
         out.append((c.name, found.model.by_name[c.name].kind, f"{c.probability:.2f}",
-                    f"{found.gains[c.name]:.1f}", ", ".join(map(measured, own)),
+                    f"{found.gains[c.name]:.1f}", ", ".join(map(number_with_std, own)),
                     ", ".join(names)))  # fmt: skip
     return out
 
 
-def measured(number: Number) -> str:
+def number_with_std(number: Number) -> str:
     """A number with its deviation and unit, and whether it stands at a bound."""
     label = number.label if "@" in number.label else number.label.split(".", 1)[-1]
     if number.at_bound:
@@ -68,13 +68,16 @@ def measured(number: Number) -> str:
 def coefficient_rows(found: Explanation) -> list[tuple[str, str, str]]:
     """The model's own numbers without and with the named causes."""
     extended = {n.label: n for n in found.numbers}
-    return [(n.label, measured(n), measured(extended[n.label])) for n in found.baseline_numbers]
+    return [
+        (n.label, number_with_std(n), number_with_std(extended[n.label]))
+        for n in found.baseline_numbers
+    ]
 
 
 def probability_rows(found: Explanation) -> list[tuple[str, str]]:
     """Every candidate, and an unlisted force, the most probable first."""
     rows = sorted(found.probabilities.items(), key=lambda x: -x[1])
-    terms = ", ".join(f"{n} {p:.2f}" for n, p in residual_terms(found).items())
+    terms = ", ".join(f"{n} {p:.2f}" for n, p in residual_term_probabilities(found).items())
     last = f"{found.unexplained:.3f}" + (f" ({terms})" if terms else "")
     return [*((n, f"{p:.3f}") for n, p in rows), ("a force that no candidate describes", last)]
 
@@ -87,7 +90,7 @@ def compared_table(found: Explanation) -> tuple[list[str], list[list[str]]]:
     for c in found.compared:
         own = [n for n in c.numbers if "." in n.label]
         rows.append([" + ".join(c.causes) or "none", f"{c.log_posterior:.1f}",
-                     ", ".join(map(measured, own)), c.fitted_to,
+                     ", ".join(map(number_with_std, own)), c.fitted_to,
                      *(f"{c.errors.get(n, np.nan):.4g}" for n in names)])  # fmt: skip
     return ["set", "log posterior, less the best", "size", "fitted to", *units], rows
 
@@ -108,9 +111,9 @@ def unit_of_error(model: Model, name: str) -> str:
 def prediction_text(model: Model, found: Predicted) -> str:
     """Errors of all predicted trials together and of each, then their measures."""
     parts = [f"Note: {m}" for m in found.messages]
-    parts.append(table(*error_table(model, found)))
+    parts.append(markdown_table(*error_table(model, found)))
     if any(found.measured):
-        parts.append(table(*measure_table(found)))
+        parts.append(markdown_table(*measure_table(found)))
     return "\n\n".join(parts)
 
 
@@ -139,11 +142,13 @@ def measure_table(found: Predicted) -> tuple[list[str], list[list[str]]]:
         trial = next(iter(runs.values()))[i].trial
         for name, value in measured_.items():
             cells = [r[i].measures.get(name, np.nan) for r in runs.values()]
-            rows.append([trial, name, f"{value:.4g}", *(_beside(c, value) for c in cells)])
+            rows.append(
+                [trial, name, f"{value:.4g}", *(_with_relative_error(c, value) for c in cells)]
+            )
     return head, rows
 
 
-def _beside(simulated: float, value: float) -> str:
+def _with_relative_error(simulated: float, value: float) -> str:
     """A simulated measure with its relative error."""
     if not np.isfinite(simulated):
         return "not reached"

@@ -13,12 +13,12 @@ from ..errors import Finding, InputError, did_you_mean, input_error
 from ..fitting import Series
 from .model import Model
 from .recording_faults import duplicate_recordings, spike_findings
-from .sampling import at_rate
+from .sampling import averaged_to_rate
 from .system_assembly import AssembledSystem, scale_names
 
 FIT_ROLE, HELD_OUT_ROLE = "fit", "held_out"
 MIN_SAMPLES = 3
-REPORTED_GAP = 20.0
+MAX_UNREPORTED_GAP_INTERVALS = 20.0
 """A longer pause than this many usual sampling intervals is reported."""
 MAX_VALUE = 1e12
 MIN_JUMP_IN_DEGREES = 300.0
@@ -57,7 +57,7 @@ def validated_trials(model: Model, trials: Sequence[Trial]) -> list[Trial]:
 
     Raises: InputError with all that is wrong in all trials.
     """
-    findings = [f for t in trials for f in _faults(model, t)]
+    findings = [f for t in trials for f in _trial_findings(model, t)]
     names = [t.name for t in trials]
     twice = sorted({n for n in names if names.count(n) > 1})
     findings += [Finding(n, "name", "two trials of that name", "a name for each trial")
@@ -69,10 +69,10 @@ def validated_trials(model: Model, trials: Sequence[Trial]) -> list[Trial]:
     findings = findings or duplicate_recordings(trials)
     if findings:
         raise InputError(findings)
-    return [_prepared(model, t) for t in trials]
+    return [_with_unwrapped_angles(model, t) for t in trials]
 
 
-def _faults(model: Model, trial: Trial) -> list[Finding]:
+def _trial_findings(model: Model, trial: Trial) -> list[Finding]:
     """All that is wrong with a trial."""
     file, out = trial.source or trial.name, []
     times = np.asarray(trial.times, dtype=float)
@@ -88,18 +88,18 @@ def _faults(model: Model, trial: Trial) -> list[Finding]:
         out.append(Finding(file, f"time, sample {row}",
                            f"{times[row]:g} s after {times[row - 1]:g} s", "increasing times",
                            "Sort the rows and remove repeated ones."))  # fmt: skip
-    out += _name_faults(file, "input", trial.inputs, [i.name for i in model.inputs])
-    out += _name_faults(file, "observation", trial.observed, [o.name for o in model.observations])
+    out += _name_findings(file, "input", trial.inputs, [i.name for i in model.inputs])
+    out += _name_findings(file, "observation", trial.observed, [o.name for o in model.observations])
     required = [c.name for c in model.constants if not np.isfinite(c.value)]
     states = [s.name for s in model.states]
-    out += _name_faults(file, "start", trial.start, states, [])
-    out += _name_faults(file, "constant", trial.constants, [c.name for c in model.constants],
-                        required)  # fmt: skip
+    out += _name_findings(file, "start", trial.start, states, [])
+    out += _name_findings(file, "constant", trial.constants, [c.name for c in model.constants],
+                          required)  # fmt: skip
     for name, column in [*trial.inputs.items(), *trial.observed.items()]:
-        out += _column_faults(file, name, np.asarray(column, dtype=float), len(times),
-                              missing=name in trial.observed)  # fmt: skip
+        out += _column_findings(file, name, np.asarray(column, dtype=float), len(times),
+                                missing=name in trial.observed)  # fmt: skip
     out += [f for o in model.observations if o.angle and not out
-            for f in _degrees(file, o.name, np.asarray(trial.observed[o.name]))]  # fmt: skip
+            for f in _degree_jumps(file, o.name, np.asarray(trial.observed[o.name]))]  # fmt: skip
     out += [Finding(file, f"constant {n}", f"{v}", "a finite number")
             for n, v in trial.constants.items() if not np.isfinite(v)]  # fmt: skip
     if trial.role not in (FIT_ROLE, HELD_OUT_ROLE):
@@ -111,7 +111,7 @@ def _faults(model: Model, trial: Trial) -> list[Finding]:
     return out
 
 
-def _degrees(file: str, name: str, column: Float) -> list[Finding]:
+def _degree_jumps(file: str, name: str, column: Float) -> list[Finding]:
     """An angle that jumps by a turn of degrees."""
     jumps = np.abs(np.diff(column))
     if not np.any(jumps > MIN_JUMP_IN_DEGREES):
@@ -122,7 +122,7 @@ def _degrees(file: str, name: str, column: Float) -> list[Finding]:
                     "If the column is in degrees, say unit: deg.")]  # fmt: skip
 
 
-def _name_faults(
+def _name_findings(
     file: str, what: str, given: Mapping[str, object], known: Sequence[str],
     required: Sequence[str] | None = None,
 ) -> list[Finding]:  # fmt: skip
@@ -135,7 +135,7 @@ def _name_faults(
                           "Name its column in data.yaml.") for n in lacking]  # fmt: skip
 
 
-def _column_faults(
+def _column_findings(
     file: str, name: str, column: Float, count: int, *, missing: bool
 ) -> list[Finding]:
     if column.shape != (count,):
@@ -154,7 +154,7 @@ def _column_faults(
     return spike_findings(file, name, column) if missing else []
 
 
-def _prepared(model: Model, trial: Trial) -> Trial:
+def _with_unwrapped_angles(model: Model, trial: Trial) -> Trial:
     """Plain arrays, angles without jumps by a turn."""
     observed = {}
     for o in model.observations:
@@ -175,7 +175,7 @@ def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
     for t in trials:
         steps = np.diff(t.times)
         usual = float(np.median(steps))
-        if steps.max() > REPORTED_GAP * usual:
+        if steps.max() > MAX_UNREPORTED_GAP_INTERVALS * usual:
             at = t.times[steps.argmax()]
             out.append(
                 f"{t.name}: a gap of {steps.max():.3g} s at {at:.3g} s; "
@@ -221,13 +221,13 @@ def _is_stepwise(changes: Float) -> bool:
     return bool(moving.any() and moving.mean() < 0.2 and (moving & beside).sum() < moving.sum() / 2)
 
 
-def all_series(
+def series_of_trials(
     model: Model, assembly: AssembledSystem, trials: Sequence[Trial], scales: Mapping[str, float],
     rate_hz: float,
 ) -> list[Series]:  # fmt: skip
     """Trials as the filter has them, at no more than `rate_hz`."""
     held = [i.held for i in model.inputs]
-    return [at_rate(series_of(model, assembly, t, scales), rate_hz, held) for t in trials]
+    return [averaged_to_rate(series_of(model, assembly, t, scales), rate_hz, held) for t in trials]
 
 
 def series_of(

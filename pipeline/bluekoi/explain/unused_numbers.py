@@ -29,10 +29,10 @@ def check_unused_numbers(model: Model) -> list[Finding]:
 
 
 def _is_used(argument: str, functions: Sequence[Function]) -> bool:
-    return any(argument in arguments(f) and argument in set(_loaded(f)) for f in functions)
+    return any(argument in arguments(f) and argument in set(_names_read(f)) for f in functions)
 
 
-def _loaded(function: Function) -> Iterator[str]:
+def _names_read(function: Function) -> Iterator[str]:
     """Local names that a function reads; all its arguments where it has no bytecode."""
     code = getattr(function, "__code__", None)
     if code is None:

@@ -13,8 +13,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..explain import Explanation, Predicted
-from ..explain.comparison import segments_of
-from ..explain.results_json import sentence
+from ..explain.comparison import cut_into_segments
+from ..explain.results_json import verdict_sentence
 from ..explain.text import (
     cause_rows,
     coefficient_rows,
@@ -49,7 +49,7 @@ def explanation_page(found: Explanation, predicted: Predicted | None = None) -> 
         summary=f"{len(found.prepared.series)} trials, {samples} samples in the fit.",
         kind=found.verdict,
         heading=heading,
-        sentence=sentence(found),
+        sentence=verdict_sentence(found),
         warnings=found.warnings,
         causes=cause_rows(found),
         probabilities=probability_rows(found),
@@ -81,7 +81,7 @@ def trials_figure(found: Explanation) -> Figure:
         axes = figure.subplots(len(model.observations), len(chosen), squeeze=False)
         for fitted, colour in ((found.baseline, BEFORE_COLOUR), (found.extended, AFTER_COLOUR)):
             for column, one in enumerate(chosen):
-                parts = segments_of(problem, fitted, [one], found.held_out.stretch_s)
+                parts = cut_into_segments(problem, fitted, [one], found.held_out.stretch_s)
                 if not parts:
                     continue
                 runs = free_runs(problem.kernel, parts, fitted.values(problem, parts),

@@ -19,8 +19,8 @@ from bluekoi.design_space import (
     Design,
     Fitted,
     designs,
+    is_on_front,
     load_fitted,
-    on_front,
     read_schedule,
     smallest_radius,
     steady_states,
@@ -98,7 +98,7 @@ def test_the_front_holds_those_that_no_other_beats() -> None:
         make_design(0.6, np.nan),
         make_design(0.45, 0.9),
     ]
-    assert on_front(some).tolist() == [True, True, False, True, False, False, False]
+    assert is_on_front(some).tolist() == [True, True, False, True, False, False, False]
 
 
 def test_the_smallest_radius_at_a_speed_and_within_what_was_tested() -> None:

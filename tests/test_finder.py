@@ -34,7 +34,7 @@ from bluekoi.mismatch.camera_displacement import detect_displacements, with_disp
 from bluekoi.mismatch.drift import drifting_trial, fisher_p_value
 from bluekoi.mismatch.find import verdict_of
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen_frames, trial_segments
-from bluekoi.mismatch.next_trial import disagreement
+from bluekoi.mismatch.next_trial import disagreement_text
 from bluekoi.mismatch.results_json import details_json, mismatch_json
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.mismatch.sentences import verdict_sentence
@@ -191,10 +191,10 @@ def test_displacements_are_found_where_and_when_they_are(
 
 
 def test_the_next_trial_asks_what_two_sets_of_causes_disagree_on() -> None:
-    assert disagreement(["fin"], ["fin", "scale_error"]) == "whether scale_error acts"
-    assert disagreement(["a", "b"], []) == "whether a and b act"
-    assert disagreement(["fin", "a"], ["fin", "b"]) == "whether it is a or b"
-    assert disagreement([], []) == "whether anything else acts"
+    assert disagreement_text(["fin"], ["fin", "scale_error"]) == "whether scale_error acts"
+    assert disagreement_text(["a", "b"], []) == "whether a and b act"
+    assert disagreement_text(["fin", "a"], ["fin", "b"]) == "whether it is a or b"
+    assert disagreement_text([], []) == "whether anything else acts"
 
 
 def test_keypoints_that_drift_in_one_trial_are_reported(

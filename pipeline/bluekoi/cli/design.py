@@ -45,8 +45,14 @@ def design(
     radius form the Pareto front.
     """
     from ..data import write_columns  # noqa: PLC0415
-    from ..design_space import columns, designs, load_fitted, smallest_radius, tested_range  # noqa: PLC0415
-    from ..design_space.picture import designs_figure, save  # noqa: PLC0415
+    from ..design_space import (  # noqa: PLC0415
+        designs,
+        designs_csv_columns,
+        load_fitted,
+        smallest_radius,
+        tested_range,
+    )
+    from ..design_space.picture import designs_figure, save_figure  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415
 
     loaded = load_study(study)
@@ -58,8 +64,8 @@ def design(
     with progress_notice("trying designs"):
         found = designs(fit, loaded.setup, tested_range(loaded), powers=powers,
                         angles_deg=angles_deg, lengths_m=lengths_m, other=further)  # fmt: skip
-    write_columns(folder / "designs.csv", columns(found))
-    save(designs_figure(found, min_speed_m_s=speed_m_s), folder / "designs.png")
+    write_columns(folder / "designs.csv", designs_csv_columns(found))
+    save_figure(designs_figure(found, min_speed_m_s=speed_m_s), folder / "designs.png")
     best = smallest_radius(found, min_speed_m_s=speed_m_s, tested_only=tested_only)
     click.echo(f"{len(found)} designs, {fit.model} model; written: {folder}")
     click.echo(

@@ -113,9 +113,9 @@ def _save_path(
         _write_path_csv(out, run, commands)
         click.echo(f"Written: {out}")
     if picture is not None:
-        from ..design_space.picture import path_figure, save  # noqa: PLC0415
+        from ..design_space.picture import path_figure, save_figure  # noqa: PLC0415
 
-        save(path_figure(run, commands, setup, length), picture)
+        save_figure(path_figure(run, commands, setup, length), picture)
         click.echo(f"Drawn: {picture}")
 
 

@@ -62,7 +62,7 @@ def load_fitted(
     """
     path, detail = results / "coefficients.json", results / "mismatch_detail.json"
     found = read_json(path)
-    verdict = _verdict(results / "mismatch.json") if detail.is_file() else "none"
+    verdict = _read_verdict(results / "mismatch.json") if detail.is_file() else "none"
     chosen = model or ("extended" if verdict == "physics" else "joint")
     rng = np.random.default_rng(seed)
     if chosen == "extended":
@@ -71,16 +71,18 @@ def load_fitted(
                               "results of the search for what was left out",
                         "Run the whole analysis first, or ask for the joint model.")  # fmt: skip
         cells = read_json(detail)
-        values = _whole(detail, lambda: _extended(cells["coefficients"]["after"], detail, rng))
+        values = _read_complete(
+            detail, lambda: _extended_model_draws(cells["coefficients"]["after"], detail, rng)
+        )
     else:
-        values = _whole(path, lambda: _joint(found["joint"], rng))
-    flap_hz = _whole(path, lambda: _flap_hz(found["paper_steps"]))
-    doubts = _whole(path, lambda: _doubts(found, verdict, chosen))
-    strangers = _whole(path, lambda: _strangers(found, study)) if study else []
+        values = _read_complete(path, lambda: _joint_fit_draws(found["joint"], rng))
+    flap_hz = _read_complete(path, lambda: _flap_hz_by_power(found["paper_steps"]))
+    doubts = _read_complete(path, lambda: _warning_sentences(found, verdict, chosen))
+    strangers = _read_complete(path, lambda: _other_study_sentences(found, study)) if study else []
     return Fitted(values, flap_hz, chosen, (*doubts, *strangers))
 
 
-def _whole(path: Path, read: Callable[[], T]) -> T:
+def _read_complete(path: Path, read: Callable[[], T]) -> T:
     try:
         return read()
     except (KeyError, TypeError, ValueError, AttributeError) as error:
@@ -90,19 +92,19 @@ def _whole(path: Path, read: Callable[[], T]) -> T:
         ) from error
 
 
-def _verdict(path: Path) -> str:
+def _read_verdict(path: Path) -> str:
     content = read_json(path)
-    return _whole(path, lambda: str(content["verdict"]))
+    return _read_complete(path, lambda: str(content["verdict"]))
 
 
-def _flap_hz(steps: Mapping[str, Any]) -> dict[float, float]:
+def _flap_hz_by_power(steps: Mapping[str, Any]) -> dict[float, float]:
     found = {float(power): float(step["flap_hz"]) for power, step in steps.items()}
     if not found:
         raise ValueError("paper_steps without a power")
     return found
 
 
-def _joint(joint: Mapping[str, Any], rng: np.random.Generator) -> Float:
+def _joint_fit_draws(joint: Mapping[str, Any], rng: np.random.Generator) -> Float:
     best = {p.name: float(joint["coefficients"][p.name]["value"]) for p in COEFFICIENTS}
     names = joint["ensemble"]["names"]
     every = np.array(joint["ensemble"]["values"], dtype=float)
@@ -113,7 +115,7 @@ def _joint(joint: Mapping[str, Any], rng: np.random.Generator) -> Float:
     return np.array([plates().values(row) for row in rows])
 
 
-def _extended(cells: Mapping[str, Any], path: Path, rng: np.random.Generator) -> Float:
+def _extended_model_draws(cells: Mapping[str, Any], path: Path, rng: np.random.Generator) -> Float:
     best = plates().values({})
     std = np.zeros(len(best))
     for name, cell in cells.items():
@@ -128,7 +130,7 @@ def _extended(cells: Mapping[str, Any], path: Path, rng: np.random.Generator) ->
     return np.vstack([best, np.where(std > 0, np.clip(drawn, lower, upper), best)])
 
 
-def _doubts(found: Mapping[str, Any], verdict: str, chosen: str) -> list[str]:
+def _warning_sentences(found: Mapping[str, Any], verdict: str, chosen: str) -> list[str]:
     """Coefficients that are guesses, and a verdict that speaks against the joint fit."""
     cells = found["joint"]["coefficients"] if chosen == "joint" else {}
     guesses = [name for name, cell in cells.items() if cell.get("determined") is False]
@@ -142,7 +144,7 @@ def _doubts(found: Mapping[str, Any], verdict: str, chosen: str) -> list[str]:
     return out
 
 
-def _strangers(found: Mapping[str, Any], study: Study) -> list[str]:
+def _other_study_sentences(found: Mapping[str, Any], study: Study) -> list[str]:
     """A sentence where results are of trials or powers that the study does not have."""
     known = {t.trial_id for t in study.trials}
     powers = {t.power_pct for t in study.trials}

@@ -36,7 +36,7 @@ class Design:
     other: Mapping[str, float] = field(default_factory=dict)
 
 
-def on_front(designs: Sequence[Design]) -> Float:
+def is_on_front(designs: Sequence[Design]) -> Float:
     """Which designs no other beats in both speed and radius, bool (designs,).
 
     Where the radius does not depend on power, ties in it would make a wall of slower designs:
@@ -71,9 +71,9 @@ def smallest_radius(
     return min(ties, key=lambda d: (len(d.extrapolated), -d.speed_m_s[0]), default=None)
 
 
-def columns(designs: Sequence[Design]) -> dict[str, list[Any]]:
+def designs_csv_columns(designs: Sequence[Design]) -> dict[str, list[Any]]:
     """Columns of designs.csv; further dimensions of the robot come last."""
-    front = on_front(designs)
+    front = is_on_front(designs)
     rows = [
         (d.power_pct, d.flap_hz, d.head_angle_deg, d.head_length_m, *d.speed_m_s, *d.radius_m,
          bool(front[i]), " and ".join(d.extrapolated))

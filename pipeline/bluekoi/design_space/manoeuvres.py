@@ -71,7 +71,7 @@ def read_schedule(path: Path, hz_of_power: Callable[[float], float]) -> Schedule
     return Schedule(time, hz, np.radians(columns["head_angle_deg"]))
 
 
-def _rows(*rows: tuple[float, float, float]) -> Schedule:
+def _schedule(*rows: tuple[float, float, float]) -> Schedule:
     time, hz, angle = np.array(rows).T
     return Schedule(time, hz, angle)
 
@@ -79,22 +79,23 @@ def _rows(*rows: tuple[float, float, float]) -> Schedule:
 def s_turn(hz: float, angle_rad: float, seconds: float) -> Schedule:
     """To one side, then as long to the other; the head takes 0.3 s to swing over."""
     middle = 0.5 * seconds
-    return _rows((0.0, hz, angle_rad), (middle, hz, angle_rad), (middle + 0.3, hz, -angle_rad),
-                 (seconds, hz, -angle_rad))  # fmt: skip
+    return _schedule((0.0, hz, angle_rad), (middle, hz, angle_rad), (middle + 0.3, hz, -angle_rad),
+                     (seconds, hz, -angle_rad))  # fmt: skip
 
 
 def underpowered_turn(hz: float, angle_rad: float, seconds: float) -> Schedule:
     """Straight at full thrust for 60 % of the time; then thrust off and head turned in 0.3 s."""
     off = 0.6 * seconds
-    return _rows((0.0, hz, 0.0), (off, hz, 0.0), (off, 0.0, 0.0), (off + 0.3, 0.0, angle_rad),
-                 (seconds, 0.0, angle_rad))  # fmt: skip
+    return _schedule((0.0, hz, 0.0), (off, hz, 0.0), (off, 0.0, 0.0), (off + 0.3, 0.0, angle_rad),
+                     (seconds, 0.0, angle_rad))  # fmt: skip
 
 
 def start_stop(hz: float, angle_rad: float, seconds: float) -> Schedule:
     """Thrust on for 40 % of the time, off for 30 %, on again, the head held."""
     on, off = 0.4 * seconds, 0.7 * seconds
-    return _rows((0.0, hz, angle_rad), (on, hz, angle_rad), (on, 0.0, angle_rad),
-                 (off, 0.0, angle_rad), (off, hz, angle_rad), (seconds, hz, angle_rad))  # fmt: skip
+    return _schedule((0.0, hz, angle_rad), (on, hz, angle_rad), (on, 0.0, angle_rad),
+                     (off, 0.0, angle_rad), (off, hz, angle_rad),
+                     (seconds, hz, angle_rad))  # fmt: skip
 
 
 MANOEUVRES: dict[str, Callable[[float, float, float], Schedule]] = {

@@ -16,11 +16,11 @@ from ..data import Float
 from ..files import atomic_write
 from ..model import Simulation
 from ..study import Setup
-from .front import Design, on_front
+from .front import Design, is_on_front
 from .manoeuvres import Schedule
 
 TESTED_COLOUR, FRONT_COLOUR = "#b0b8bf", "#0b5394"
-MAX_MARKS = 14
+MAX_FRONT_MARKS = 14
 """Marks along the front, at most."""
 
 
@@ -28,7 +28,7 @@ def designs_figure(designs: Sequence[Design], *, min_speed_m_s: float = 0.0) -> 
     """Speed over radius; the front with its 95 % bands; hollow where extrapolated."""
     figure = Figure(figsize=(7.5, 5.2), layout="constrained")
     axes = figure.add_subplot()
-    front = on_front(designs)
+    front = is_on_front(designs)
     x = np.array([d.radius_m[0] for d in designs])
     y = np.array([d.speed_m_s[0] for d in designs])
     inside = np.array([not d.extrapolated for d in designs])
@@ -37,7 +37,7 @@ def designs_figure(designs: Sequence[Design], *, min_speed_m_s: float = 0.0) -> 
         (~inside, "extrapolated", "none"),
     ):
         axes.plot(x[kind], y[kind], "o", ms=3.5, color=TESTED_COLOUR, mfc=face, mew=0.7, label=name)
-    _front(axes, [d for d, is_on in zip(designs, front, strict=True) if is_on])
+    _draw_front(axes, [d for d, is_on in zip(designs, front, strict=True) if is_on])
     if min_speed_m_s > 0:
         axes.axhline(min_speed_m_s, color="#a61c00", lw=1, ls=":")
     known = x[np.isfinite(x)]
@@ -50,7 +50,7 @@ def designs_figure(designs: Sequence[Design], *, min_speed_m_s: float = 0.0) -> 
     return figure
 
 
-def _front(axes: Axes, front: Sequence[Design]) -> None:
+def _draw_front(axes: Axes, front: Sequence[Design]) -> None:
     ordered = sorted(front, key=lambda d: d.radius_m[0])
     for d in ordered:
         (radius, *across), (speed, *along) = d.radius_m, d.speed_m_s
@@ -75,9 +75,9 @@ def path_figure(run: Simulation, schedule: Schedule, setup: Setup, head_length_m
     above, below = figure.subplots(2, 1, height_ratios=(2.4, 1))
     x, y = run.state[:, 0], run.state[:, 1]
     above.plot(x, y, color=FRONT_COLOUR, lw=1.2)
-    marks = np.unique(np.linspace(0, len(x) - 1, MAX_MARKS).round().astype(int))
-    above.add_collection(LineCollection(_bodies(run, marks, setup, head_length_m), colors="0.25",
-                                        linewidths=1.6))  # fmt: skip
+    marks = np.unique(np.linspace(0, len(x) - 1, MAX_FRONT_MARKS).round().astype(int))
+    outlines = _robot_outlines(run, marks, setup, head_length_m)
+    above.add_collection(LineCollection(outlines, colors="0.25", linewidths=1.6))
     pool = setup.pool
     above.add_patch(Rectangle((0, 0), pool.length_m, pool.width_m, fill=False, ec="0.6", lw=1))
     above.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
@@ -91,14 +91,16 @@ def path_figure(run: Simulation, schedule: Schedule, setup: Setup, head_length_m
     return figure
 
 
-def _bodies(run: Simulation, marks: Float, setup: Setup, head_length_m: float) -> list[Float]:
+def _robot_outlines(
+    run: Simulation, marks: Float, setup: Setup, head_length_m: float
+) -> list[Float]:
     """Lines (3, 2) from nose over hinge to tail base at some frames."""
     psi, theta = run.heading_rad[marks], run.state[marks, 2]
     points = setup.robot.body_points(head_length_m, run.state[marks, :2], psi, psi - theta)
     return list(points[:, [0, 1, 3]])
 
 
-def save(figure: Figure, path: str | Path) -> None:
+def save_figure(figure: Figure, path: str | Path) -> None:
     """Write a figure, whole or not at all, in the format of the file's ending."""
     FigureCanvasAgg(figure)
     with atomic_write(path) as temporary:

@@ -23,7 +23,7 @@ MAX_DESIGNS = 20_000
 
 
 @dataclass(frozen=True)
-class Range:
+class TestedRange:
     """What was tested: lowest and highest power, head angle (its size) and head length."""
 
     power_pct: tuple[float, float]
@@ -40,11 +40,11 @@ class Range:
         return [n for n, v, (low, high) in given if not low - 1e-9 <= v <= high + 1e-9]
 
 
-def tested_range(study: Study) -> Range:
+def tested_range(study: Study) -> TestedRange:
     """Range of a study's trials; head angles of its turns."""
     trials = study.trials
     angles = [abs(t.head_angle_deg) for t in trials if abs(t.head_angle_deg) >= 3]
-    return Range(
+    return TestedRange(
         _lowest_and_highest([t.power_pct for t in trials]),
         _lowest_and_highest(angles or [0.0]),
         _lowest_and_highest([t.head_length_m for t in trials]),
@@ -56,7 +56,7 @@ def _lowest_and_highest(values: Sequence[float]) -> tuple[float, float]:
 
 
 def designs(
-    fit: Fitted, setup: Setup, tested: Range, *, powers: Sequence[float], angles_deg:
+    fit: Fitted, setup: Setup, tested: TestedRange, *, powers: Sequence[float], angles_deg:
     Sequence[float], lengths_m: Sequence[float], other: Mapping[str, Sequence[float]] | None = None,
 ) -> list[Design]:  # fmt: skip
     """Every combination with its steady speed and radius and their 95 % bands.

@@ -23,7 +23,7 @@ from ..fitting.filtering import STEP_S, with_noise
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
 
-CAMERA_SHIFT, TIME_CONSTANT, RELATIVE_SIZE_CONSTANTS = (
+CAMERA_SHIFT_EFFECT, SHIFT_TIME_NAME, SHIFT_SIZE_NAMES = (
     "camera_shift",
     "t_shift",
     ("x_shift", "y_shift"),
@@ -38,7 +38,7 @@ TAIL_FACTOR = 1.5
 """Largest lambda of 290 recordings without a displacement, 31, over that of chi-squared in as many
 moments, 2 log(29,000): prediction errors have longer tails than a normal distribution.
 """
-IGNORED_START_S = 0.8
+IGNORED_AFTER_START_S = 0.8
 """Duration after a trial's start in which all paths bend at once, so that missing physics looks
 like a displacement: a motor that spins up, beside three other causes, reached lambda = 105.
 """
@@ -70,7 +70,11 @@ def detect_displacements(
     values: full parameter vectors, one a trial.
     """
     filtered = filter_all(kernel, series, values, noise)
-    long = [(s, v, f) for s, v, f in zip(series, values, filtered, strict=True) if len(_moments(s))]
+    long = [
+        (s, v, f)
+        for s, v, f in zip(series, values, filtered, strict=True)
+        if len(_tested_times_s(s))
+    ]
     if not long:
         return []
     glr = [_level_shift_glr(kernel, *one, noise) for one in long]
@@ -80,7 +84,7 @@ def detect_displacements(
         k = int(np.argmax(ratio))
         threshold = 2.0 * (TAIL_FACTOR * np.log(len(long) * len(ratio)) - np.log(PRIOR_PROBABILITY))
         if ratio[k] / median > threshold:
-            out.append(CameraDisplacement(one.name, float(_moments(one)[k]), size[k],
+            out.append(CameraDisplacement(one.name, float(_tested_times_s(one)[k]), size[k],
                                           float(ratio[k] / median), len(ratio)))  # fmt: skip
     return out
 
@@ -90,7 +94,7 @@ def with_displacements(
 ) -> list[Series]:
     """The trials with the time of their displacement, and its size relative to the most certain."""
     names, known = kernel.system.constants, {d.trial: d for d in found}
-    slots = [names.index(name) for name in (TIME_CONSTANT, *RELATIVE_SIZE_CONSTANTS)]
+    slots = [names.index(name) for name in (SHIFT_TIME_NAME, *SHIFT_SIZE_NAMES)]
     largest = max(found, key=lambda d: d.likelihood_ratio, default=None)
     out = []
     for one in series:
@@ -102,10 +106,10 @@ def with_displacements(
     return out
 
 
-def _moments(one: Series) -> Float:
+def _tested_times_s(one: Series) -> Float:
     """Middles between frames, not too near the ends, after the launch."""
     middles = 0.5 * (one.times[3:-3] + one.times[4:-2])
-    later = middles[middles > one.times[0] + IGNORED_START_S]
+    later = middles[middles > one.times[0] + IGNORED_AFTER_START_S]
     return later if len(later) else middles
 
 
@@ -113,8 +117,10 @@ def _level_shift_glr(
     kernel: Kernel, one: Series, values: Float, filtered: Filtered, noise: Noise
 ) -> tuple[Float, Float]:
     """The lambda (moments,) and best displacement (moments, 2) of a trial."""
-    moments = _moments(one)
-    seen = _displaced(kernel, one, values, filtered, noise=noise, moments=moments)
+    moments = _tested_times_s(one)
+    seen = _predictions_with_displacements(
+        kernel, one, values, filtered, noise=noise, moments=moments
+    )
     base = seen[:, :, :1]
     J = filtered.roots @ ((seen[:, :, 1:] - base) / DERIVATIVE_STEP_M)  # (n, o, 2 moments)
     e = (filtered.roots @ np.nan_to_num(one.seen[:, :, None] - base))[:, :, 0]
@@ -125,7 +131,7 @@ def _level_shift_glr(
     return np.einsum("mi,mi->m", g, best), best
 
 
-def _displaced(
+def _predictions_with_displacements(
     kernel: Kernel, one: Series, values: Float, filtered: Filtered, *, noise: Noise, moments: Float
 ) -> Float:
     """Predicted observations (n, o, 1 + 2 moments): as fitted, then each moment's displacements."""
@@ -140,8 +146,10 @@ def _displaced(
         for i, moment in enumerate(group):
             for k, direction in enumerate(STRENGTH_PARAMETERS):
                 lane = 1 + 2 * i + k
-                parameters[b, system.slot[f"{CAMERA_SHIFT}.{direction}"], lane] += DERIVATIVE_STEP_M
-                constants[b, system.constants.index(TIME_CONSTANT), lane] = moment
+                parameters[b, system.slot[f"{CAMERA_SHIFT_EFFECT}.{direction}"], lane] += (
+                    DERIVATIVE_STEP_M
+                )
+                constants[b, system.constants.index(SHIFT_TIME_NAME), lane] = moment
     tiled = [np.repeat(a[None], count, axis=0) for a in (one.times, one.inputs,
              np.nan_to_num(one.seen), filtered.gains)]  # fmt: skip
     seen, _ = propagate(kernel, state, parameters, constants, times=tiled[0], inputs=tiled[1],

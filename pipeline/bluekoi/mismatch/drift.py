@@ -83,7 +83,7 @@ def drift_by_trial(
         strict=True,
     )
     return [
-        _drift(one.name, e, np.column_stack([x - e, y - e]) / DERIVATIVE_STEP_M)
+        _likeliest_drift(one.name, e, np.column_stack([x - e, y - e]) / DERIVATIVE_STEP_M)
         for one, e, x, y in each
     ]
 
@@ -103,7 +103,7 @@ def add_drift(one: Series, size_m: Float) -> Series:
     return replace(one, seen=seen)
 
 
-def _drift(trial: str, e: Float, J: Float) -> Drift:
+def _likeliest_drift(trial: str, e: Float, J: Float) -> Drift:
     cov = np.linalg.inv(J.T @ J + 1e-9 * np.eye(2))
     size = cov @ (J.T @ e)
     return Drift(trial, size, np.sqrt(np.diag(cov)), float(size @ (J.T @ e)))

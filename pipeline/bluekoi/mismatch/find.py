@@ -44,7 +44,7 @@ from .free_run_errors import path_errors
 from .missing_force_dependence import Dependence, covariates, dependences
 from .robot_problem import robot_problem
 
-MIN_FORCE_UNIT_RATIO = 0.1
+MIN_FORCE_UNIT_SHARE_OF_BASELINE = 0.1
 
 
 SEARCH_RATE_HZ = 5.0
@@ -99,7 +99,7 @@ def find_mismatch(
     progress("baseline")
     averaged, coarse = downsampled(series), downsampled(series, SEARCH_RATE_HZ)
     baseline = fit_all_trials([s for s in averaged if s.name not in held_out])
-    displaced, drifting = _displaced_and_drifting(kernel, averaged, baseline)
+    displaced, drifting = _camera_displacements_and_drift(kernel, averaged, baseline)
     series = with_displacements(kernel, series, displaced)
     averaged, coarse = (with_displacements(kernel, s, displaced) for s in (averaged, coarse))
     if not has_trial_roles(study):
@@ -155,7 +155,7 @@ def find_mismatch(
     )  # fmt: skip
 
 
-def _displaced_and_drifting(
+def _camera_displacements_and_drift(
     kernel: Kernel, series: Sequence[Series], model: FittedModel
 ) -> tuple[list[CameraDisplacement], Drift | None]:
     """Displacements of the camera during a trial, and the trial whose positions drift, if any."""
@@ -216,7 +216,7 @@ def _missing_force_and_dependences(
     trials = {t.trial_id: t for t in study.trials}
     count = forces[0].force.shape[1]
     units = np.maximum(
-        extended.noise.disturbance, MIN_FORCE_UNIT_RATIO * baseline.noise.disturbance
+        extended.noise.disturbance, MIN_FORCE_UNIT_SHARE_OF_BASELINE * baseline.noise.disturbance
     )[:count]
     pushes = added_force(kernel, series, full, values, extended.noise)
     shown = pushes if max(np.abs(p).max() for p in pushes) > 0 else [f.force for f in forces]
@@ -255,7 +255,7 @@ def model_warnings(kernel: Kernel, train: Sequence[Series], best: ScoredSet) -> 
              for p in e.parameters[1:]]  # fmt: skip
     forces = best.model.noise.disturbance[:3]
     names = ("surge", "sway", "yaw")
-    mean = _main_forces(kernel, train, best)
+    mean = _typical_forces(kernel, train, best)
     for name, force, main, t, bound in zip(names, forces, mean, tau, upper, strict=False):
         if force > MAX_RANDOM_FORCE_SHARE * main:
             at = " with a correlation time at its bound" if t >= 0.99 * bound else ""
@@ -264,7 +264,7 @@ def model_warnings(kernel: Kernel, train: Sequence[Series], best: ScoredSet) -> 
     return out
 
 
-def _main_forces(
+def _typical_forces(
     kernel: Kernel, train: Sequence[Series], best: ScoredSet
 ) -> tuple[float, float, float]:
     """Typical thrust (N), used for surge and sway, and thrust times the head's arm (N m)."""

@@ -64,13 +64,13 @@ def path_errors(
     last = list(models.values())[-1]
     horizon = min(longest, predictability_horizon_s(study, kernel, last, series))
     segments = {n: trial_segments(kernel, tuned, series, horizon) for n, tuned in models.items()}
-    rmse = {name: _rmse(kernel, tuned, segments[name]) for name, tuned in models.items()}
-    floors = _bootstrap_errors(kernel, last, list(segments.values())[-1])
+    rmse = {name: _path_rmse_m(kernel, tuned, segments[name]) for name, tuned in models.items()}
+    floors = _bootstrap_path_errors_m(kernel, last, list(segments.values())[-1])
     floor = float(np.sqrt(np.mean(np.square(floors))))
     return PathErrors(rmse, floor if floor < study.setup.pool.width_m else np.nan, horizon)
 
 
-def _bootstrap_errors(
+def _bootstrap_path_errors_m(
     kernel: Kernel, tuned: FittedModel, segments: Sequence[Series]
 ) -> list[float]:
     """Path errors of a model on data made by itself, segment by segment, m."""
@@ -82,7 +82,7 @@ def _bootstrap_errors(
                   list(zip(segments, values, strict=True)))  # fmt: skip
     draws = [parametric_bootstrap(kernel, segments, values, noises, starts, rng)
              for _ in range(NOISE_FLOOR_DRAWS)]  # fmt: skip
-    return [_rmse(kernel, tuned, draw) for draw in draws]
+    return [_path_rmse_m(kernel, tuned, draw) for draw in draws]
 
 
 def trial_segments(
@@ -91,7 +91,7 @@ def trial_segments(
     """Segments of all trials; the states of effects (a lag, a servo) start at the values that the
     model's filter has at that time.
     """
-    slots = _effect_states(kernel)
+    slots = _effect_state_slots(kernel)
     filtered = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
     out = []
     for one, result in zip(series, filtered, strict=True):
@@ -103,7 +103,7 @@ def trial_segments(
     return out
 
 
-def _effect_states(kernel: Kernel) -> list[int]:
+def _effect_state_slots(kernel: Kernel) -> list[int]:
     """Places of the states of effects, without the random ones."""
     random = set(disturbance_slots(kernel))
     first, count = len(kernel.system.states), len(kernel.system.all_states)
@@ -115,19 +115,19 @@ def cut_into_segments(series: Series, horizon_s: float) -> list[Series]:
     length = float(series.times[-1] - series.times[0])
     count = max(1, int(np.ceil(length / horizon_s - 1e-6)))
     edges = np.linspace(0, len(series.times), count + 1).astype(int)
-    return [_segment(series, a, b) for a, b in itertools.pairwise(edges)]
+    return [_cut_segment(series, a, b) for a, b in itertools.pairwise(edges)]
 
 
-def _segment(series: Series, first: int, last: int) -> Series:
+def _cut_segment(series: Series, first: int, last: int) -> Series:
     if first == 0:
         return series.frames(first, last)
     mean, cov = series.mean.copy(), series.cov.copy()
-    mean[:6] = _state_at(series, first)
+    mean[:6] = _state_by_parabola(series, first)
     cov[np.arange(6), np.arange(6)] = PARABOLA_STATE_STD**2
     return replace(series.frames(first, last), mean=mean, cov=cov)
 
 
-def _state_at(series: Series, frame: int) -> Float:
+def _state_by_parabola(series: Series, frame: int) -> Float:
     """x, y, heading, surge, sway and yaw rate at a frame, by a parabola over nearby frames."""
     time = series.times[frame]
     known = np.all(np.isfinite(series.seen), axis=1)
@@ -140,7 +140,7 @@ def _state_at(series: Series, frame: int) -> Float:
                      vy * np.cos(psi) - vx * np.sin(psi), r])  # fmt: skip
 
 
-def _rmse(kernel: Kernel, tuned: FittedModel, segments: Sequence[Series]) -> float:
+def _path_rmse_m(kernel: Kernel, tuned: FittedModel, segments: Sequence[Series]) -> float:
     """Root mean square distance between seen and simulated over all segments, m."""
     runs = free_runs(kernel, segments, tuned.trial_values(kernel, segments))
     precise = precisely_seen_frames(segments)

@@ -42,7 +42,7 @@ DERIVATIVE_STEP_STDS = 0.1
 
 
 @dataclass(frozen=True)
-class Binned:
+class EqualCountBins:
     """Frames sorted into bins of equal count over one variable: index (frames,), means (bins,)."""
 
     index: np.ndarray
@@ -71,7 +71,7 @@ def cause_laws(
     known = covariates(series, forces, trials)
     over = {name: np.concatenate([v[name] for v in known]) for name in known[0]}
     names = dict.fromkeys(f.name.split(".")[0] for f in tuned.fit.free if "." in f.name)
-    found = {name: _law(kernel, series, tuned, name, over) for name in names}
+    found = {name: _cause_law(kernel, series, tuned, name, over) for name in names}
     return {name: law for name, law in found.items() if law}
 
 
@@ -97,20 +97,22 @@ def partial_residuals(
     found: dict[str, dict[str, dict[str, Float]]] = {}
     for name, law in laws.items():
         channel = CHANNELS.index(law["channel"])
-        own = np.split(_force(kernel, series, tuned, name, tuned.fit.values)[:, channel], ends)
+        own = np.split(
+            _cause_force(kernel, series, tuned, name, tuned.fit.values)[:, channel], ends
+        )
         found[name] = {
-            rest.name: {"x": _part_means(over[law["variable"]]),
-                        "y": _part_means(rest.force[:, channel] + push)}
+            rest.name: {"x": _means_over_trial_parts(over[law["variable"]]),
+                        "y": _means_over_trial_parts(rest.force[:, channel] + push)}
             for rest, over, push in zip(left, known, own, strict=True)
         }  # fmt: skip
     return found
 
 
-def _part_means(values: Float) -> Float:
+def _means_over_trial_parts(values: Float) -> Float:
     return np.array([part.mean() for part in np.array_split(values, min(TRIAL_PARTS, len(values)))])
 
 
-def _law(
+def _cause_law(
     kernel: Kernel,
     series: Sequence[Series],
     tuned: FittedModel,
@@ -118,7 +120,7 @@ def _law(
     over: Mapping[str, Float],
 ) -> dict[str, Any] | None:
     own = [i for i, f in enumerate(tuned.fit.free) if f.name.startswith(f"{name}.")]
-    force = partial(_force, kernel, series, tuned, name)
+    force = partial(_cause_force, kernel, series, tuned, name)
     every = force(tuned.fit.values)
     units = tuned.noise.disturbance[: every.shape[1]]
     channel = int(np.argmax(np.sqrt((every**2).mean(axis=0)) / np.maximum(units, 1e-12)))
@@ -132,13 +134,13 @@ def _law(
     }
     binned = {v: b for v, x in over.items()
               if (v in named or not named) and (b := equal_count_bins(x)) is not None}  # fmt: skip
-    shares = {v: _explained(b, y) for v, b in binned.items()}
+    shares = {v: _share_explained_by_bins(b, y) for v, b in binned.items()}
     if not shares:
         return None
     variable = max(shares, key=lambda v: shares[v])
     grid = binned[variable]
     mean = grid.means(y)
-    half = _half_width(tuned, own, lambda at: grid.means(force(at)[:, channel]), mean)
+    half = _half_width_95(tuned, own, lambda at: grid.means(force(at)[:, channel]), mean)
     law: dict[str, Any] = {
         "variable": variable, "x": grid.x, "y": mean, "channel": CHANNELS[channel],
         "y_unit": CHANNEL_UNITS[channel], "explained": shares[variable], "low": [], "high": [],
@@ -146,7 +148,7 @@ def _law(
     return law if half is None else law | {"low": mean - half, "high": mean + half}
 
 
-def _force(
+def _cause_force(
     kernel: Kernel, series: Sequence[Series], tuned: FittedModel, name: str, values: Float
 ) -> Float:
     """Force (frames, channels) of one cause along all trials, with these fitted numbers."""
@@ -166,7 +168,7 @@ def _force(
     return np.concatenate(added_force(kernel, series, on, off, tuned.noise))
 
 
-def equal_count_bins(x: Float) -> Binned | None:
+def equal_count_bins(x: Float) -> EqualCountBins | None:
     """Bins of about equal count over the values of a variable; one for each value of a variable
     with few; None for a constant one.
     """
@@ -184,17 +186,17 @@ def equal_count_bins(x: Float) -> Binned | None:
     place = np.full(int(index.max()) + 1, -1)
     place[kept] = np.arange(len(kept))
     new = place[index]
-    return Binned(new, np.array([x[new == k].mean() for k in range(len(kept))]))
+    return EqualCountBins(new, np.array([x[new == k].mean() for k in range(len(kept))]))
 
 
-def _explained(binned: Binned, y: Float) -> float:
+def _share_explained_by_bins(binned: EqualCountBins, y: Float) -> float:
     """Share of the mean square of y that the means of the bins explain."""
     inside = binned.index >= 0
     left = y[inside] - binned.means(y)[binned.index[inside]]
     return float(1.0 - np.mean(left**2) / max(float(np.mean(y[inside] ** 2)), 1e-300))
 
 
-def _half_width(tuned: FittedModel, own: Sequence[int], law: Any, mean: Float) -> Float | None:
+def _half_width_95(tuned: FittedModel, own: Sequence[int], law: Any, mean: Float) -> Float | None:
     """Half width of the 95 % band (bins,), linear in the cause's numbers; None where one of their
     deviations is unknown. A number at its bound does not vary.
     """

@@ -149,10 +149,10 @@ def covariates(
     series: Sequence[Series], forces: Sequence[MissingForce], trials: Mapping[str, Trial]
 ) -> list[dict[str, Float]]:
     """What a missing force may depend on, frame by frame, for every trial."""
-    return [_covariates(s, f, trials[s.name]) for s, f in zip(series, forces, strict=True)]
+    return [_trial_covariates(s, f, trials[s.name]) for s, f in zip(series, forces, strict=True)]
 
 
-def _covariates(series: Series, force: MissingForce, trial: Trial) -> dict[str, Float]:
+def _trial_covariates(series: Series, force: MissingForce, trial: Trial) -> dict[str, Float]:
     x, y, psi, u, v, r = force.states[:, :6].T
     n = len(x)
     phi = trial.head_angle_rad

@@ -28,7 +28,7 @@ def next_trial_json(
     base = found.baseline.base
     values = [trial_values(kernel, base, m.fit.free, m.fit.values, "") for m in (first, other)]
     best = best_next_trial(study, kernel, values[0], values[1], flap)
-    question = disagreement(first.causes, other.causes)
+    question = disagreement_text(first.causes, other.causes)
     floor = 1000 * found.floor_m if np.isfinite(found.floor_m) else 0.0
     apart = float(str(best["apart_mm"]))
     if not apart > floor:
@@ -39,7 +39,7 @@ def next_trial_json(
     return best | {"why": why, "above_noise": bool(apart > floor)}
 
 
-def disagreement(first: Sequence[str], other: Sequence[str]) -> str:
+def disagreement_text(first: Sequence[str], other: Sequence[str]) -> str:
     """What two sets of causes disagree on."""
     more, fewer = ([c for c in a if c not in b] for a, b in ((first, other), (other, first)))
     if more and fewer:
@@ -58,7 +58,9 @@ def best_next_trial(
         for angle in (0.0, 15.0, 30.0, 45.0):
             for length in lengths:
                 paths = [
-                    _path(study, kernel, v, angle=np.radians(angle), length=length, hz=hz)
+                    _simulated_positions_m(
+                        study, kernel, v, angle=np.radians(angle), length=length, hz=hz
+                    )
                     for v in (first, second)
                 ]
                 apart = float(np.sqrt(np.mean(np.sum((paths[0] - paths[1]) ** 2, axis=1))))
@@ -72,7 +74,7 @@ def best_next_trial(
     }
 
 
-def _path(
+def _simulated_positions_m(
     study: Study, kernel: Kernel, values: Float, *, angle: float, length: float, hz: float
 ) -> Float:
     coefficients, effects = kernel.system.named_values(values)

@@ -19,7 +19,7 @@ from ..tuning.joint_fit import Z_95
 from .find import MismatchResult
 from .missing_force_dependence import CHANNELS
 from .next_trial import next_trial_json
-from .robot_problem import CAMERA_SHIFT
+from .robot_problem import CAMERA_SHIFT_EFFECT
 from .sentences import unexplained_sentence, verdict_sentence
 
 
@@ -57,18 +57,18 @@ def probabilities(found: MismatchResult) -> dict[str, float]:
 
 def causes_json(found: MismatchResult) -> list[dict[str, Any]]:
     """The named causes, the one that explains most first, and what is left unexplained."""
-    out = [_cause(found, cause) for cause in found.named]
-    return [*out, _unexplained(found)] if found.verdict == UNEXPLAINED else out
+    out = [_cause_json(found, cause) for cause in found.named]
+    return [*out, _unexplained_json(found)] if found.verdict == UNEXPLAINED else out
 
 
-def _cause(found: MismatchResult, cause: NamedCause) -> dict[str, Any]:
+def _cause_json(found: MismatchResult, cause: NamedCause) -> dict[str, Any]:
     effect = plates().effect(cause.name)
     return {
         "name": cause.name,
         "kind": effect.kind,
         "channels": list(effect.channels),
-        "regime": _regime(found, effect),
-        "parameters": _parameters(found, cause.name),
+        "regime": _regime_text(found, effect),
+        "parameters": _parameters_json(found, cause.name),
         "weight": cause.probability,
         "credible_set": credible_set(cause),
         "log_evidence_gain": found.gains[cause.name],
@@ -78,18 +78,18 @@ def _cause(found: MismatchResult, cause: NamedCause) -> dict[str, Any]:
 
 def credible_set(cause: NamedCause) -> list[str]:
     """The fewest causes of a place, the most probable first, that hold 90 % of it."""
-    return [_shown(n) for n in cause.credible_set]
+    return [_name_or_unexplained(n) for n in cause.credible_set]
 
 
-def _regime(found: MismatchResult, effect: Effect) -> str:
+def _regime_text(found: MismatchResult, effect: Effect) -> str:
     """Where an effect acts; of a displaced camera, from when on in which trials."""
-    if effect.name != CAMERA_SHIFT or not found.displacements:
+    if effect.name != CAMERA_SHIFT_EFFECT or not found.displacements:
         return effect.regime
     moments = (f"{d.time_s:.1f} s after the start of {d.trial}" for d in found.displacements)
     return f"from {', '.join(moments)} on"
 
 
-def _parameters(found: MismatchResult, name: str) -> dict[str, dict[str, Any]]:
+def _parameters_json(found: MismatchResult, name: str) -> dict[str, dict[str, Any]]:
     """A cause's numbers; std such that value +- 1.96 std is their 95 % interval."""
     tuned = found.extended
     rows = {p.name: p for p in plates().parameters}
@@ -112,21 +112,21 @@ def normal_equivalent_std(tuned: FittedModel) -> list[float]:
     return [float(std) for std in 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / Z_95]
 
 
-def residual_terms(found: MismatchResult) -> list[str]:
+def extended_residual_terms(found: MismatchResult) -> list[str]:
     """Names of the residual terms in the extended model."""
     return [f.name for f in found.extended.fit.free if is_residual(f.name)]
 
 
-def _unexplained(found: MismatchResult) -> dict[str, Any]:
-    terms = residual_terms(found)
-    channels = sorted({c for t in terms for c in _channels(t)}, key=CHANNELS.index)
+def _unexplained_json(found: MismatchResult) -> dict[str, Any]:
+    terms = extended_residual_terms(found)
+    channels = sorted({c for t in terms for c in _term_channels(t)}, key=CHANNELS.index)
     depends = [d for d in found.dependences if CHANNELS[d.channel] in channels] or list(
         found.dependences
     )
     variable = depends[0].variable if depends else "nothing that was tried"
     parameters: dict[str, Any] = {}
     for effect in sorted({t.split(".")[0] for t in terms}):
-        parameters |= _parameters(found, effect)
+        parameters |= _parameters_json(found, effect)
     return {
         "name": UNEXPLAINED,
         "kind": "physics",
@@ -138,7 +138,7 @@ def _unexplained(found: MismatchResult) -> dict[str, Any]:
     }
 
 
-def _channels(term: str) -> tuple[str, ...]:
+def _term_channels(term: str) -> tuple[str, ...]:
     effect, number = term.split(".", 1)
     return residual_channels(number) if effect == "residual" else plates().effect(effect).channels
 
@@ -146,29 +146,31 @@ def _channels(term: str) -> tuple[str, ...]:
 def rivals_json(found: MismatchResult) -> list[dict[str, Any]]:
     """Candidates that may act in the place of a named cause, or beside the named ones."""
     inclusion = {n: p for n, p in found.posterior.inclusion.items() if not is_residual(n)}
-    rows = rival_rows(found.named, inclusion, _shown)
-    return [r | {"how_to_tell_apart": _apart(r["in_place_of"], r["name"])} for r in rows]
+    rows = rival_rows(found.named, inclusion, _name_or_unexplained)
+    return [
+        r | {"how_to_tell_apart": _where_to_distinguish(r["in_place_of"], r["name"])} for r in rows
+    ]
 
 
-def _shown(name: str) -> str:
+def _name_or_unexplained(name: str) -> str:
     return UNEXPLAINED if is_residual(name) else name
 
 
-def _apart(name: str, other: str) -> str:
+def _where_to_distinguish(name: str, other: str) -> str:
     """Where to film to distinguish a rival from the cause in whose place it may act, or at all."""
     if not name:
-        return f"{other} would act in {_where(other)}: film more trials there"
-    first = _where(name)
+        return f"{other} would act in {_regime_or_all_trials(other)}: film more trials there"
+    first = _regime_or_all_trials(name)
     if other == UNEXPLAINED:
         return (
             f"an unlisted force describes these trials about as well as {name}: film where {name} "
             f"should be strongest ({first}) and where it should vanish"
         )
-    return (f"{name} acts in {first}, {other} in {_where(other)}: film where only one of them "
-            "should act")  # fmt: skip
+    return (f"{name} acts in {first}, {other} in {_regime_or_all_trials(other)}: film where only "
+            "one of them should act")  # fmt: skip
 
 
-def _where(name: str) -> str:
+def _regime_or_all_trials(name: str) -> str:
     return plates().effect(name).regime or "all trials"
 
 

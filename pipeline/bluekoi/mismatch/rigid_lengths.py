@@ -50,7 +50,7 @@ def effects_on_lengths(system: System) -> tuple[Effect, ...]:
     the lengths seen.
     """
     return tuple(e for e in system.effects
-                 if "observe" in e.hooks and {"x", "y"} <= set(_arguments(e)))  # fmt: skip
+                 if "observe" in e.hooks and {"x", "y"} <= set(_observe_arguments(e)))  # fmt: skip
 
 
 def length_measurement(
@@ -62,14 +62,14 @@ def length_measurement(
     constants: of the study's view. trials: how many share it. systematic: relative error of the
     detector that is the same in all trials.
     """
-    windows = _of_some_trials(windows)
+    windows = _windows_of_max_trials(windows)
     effects = effects_on_lengths(system)
-    camera = _Camera(effects, dict(constants), windows)
+    camera = _LengthExcess(effects, dict(constants), windows)
     patterns = camera.patterns()
     if len(windows.excess_m) <= 2 * patterns.shape[1]:
         return None
-    others = _other_errors(camera, windows, depth_given=depth_given, systematic=systematic)
-    whitener = _whitener(patterns, others, windows)
+    others = _nuisance_patterns(camera, windows, depth_given=depth_given, systematic=systematic)
+    whitener = _whitening_rows(patterns, others, windows)
     seen = whitener @ windows.excess_m
 
     @lru_cache(maxsize=256)
@@ -91,7 +91,7 @@ def length_measurement(
     return SharedMeasurement(names, errors, trials)
 
 
-def _of_some_trials(windows: Distances) -> Distances:
+def _windows_of_max_trials(windows: Distances) -> Distances:
     """Windows of `MAX_TRIALS` trials, evenly spread: more would determine nothing better."""
     labels = np.unique(windows.trial)
     if len(labels) <= MAX_TRIALS:
@@ -102,7 +102,7 @@ def _of_some_trials(windows: Distances) -> Distances:
 
 
 @dataclass(frozen=True)
-class _Camera:
+class _LengthExcess:
     """Excess of lengths by each effect."""
 
     effects: tuple[Effect, ...]
@@ -120,7 +120,7 @@ class _Camera:
         along = w.front_m - w.back_m
         along = along / np.linalg.norm(along, axis=1)[:, None]
         middle, half = 0.5 * (w.front_m + w.back_m), 0.5 * w.known_m[:, None] * along
-        front, back = (_displacement(effect, end, w.time_s, self.constants, values)
+        front, back = (_observed_displacement_m(effect, end, w.time_s, self.constants, values)
                        for end in (middle + half, middle - half))  # fmt: skip
         return np.asarray(np.sum((front - back) * along, axis=1))
 
@@ -131,12 +131,12 @@ class _Camera:
         return np.column_stack([
             PRIOR_MAGNITUDE_RATIO * strength.typical * self.excess(effect, (*unit, *form))
             for effect in self.effects
-            for form in _forms(effect)
+            for form in _tried_shape_values(effect)
             for strength, unit in zip(effect.parameters, np.eye(effect.strengths), strict=False)
         ])  # fmt: skip
 
 
-def _forms(effect: Effect) -> list[tuple[float, ...]]:
+def _tried_shape_values(effect: Effect) -> list[tuple[float, ...]]:
     """The leading form, and forms in which one parameter is a standard deviation or more off."""
     own = effect.parameters[effect.strengths :]
     leading = tuple(p.start for p in own)
@@ -148,13 +148,13 @@ def _forms(effect: Effect) -> list[tuple[float, ...]]:
     return out
 
 
-def _displacement(
+def _observed_displacement_m(
     effect: Effect, places: Float, time_s: Float, constants: Mapping[str, float],
     values: Sequence[float],
 ) -> Float:  # fmt: skip
     """Displacement (n, 2) of places (n, 2) seen at times (n,)."""
     function = effect.hooks["observe"]
-    arguments = _arguments(effect)
+    arguments = _observe_arguments(effect)
     still = {"cpsi": 0.0, "spsi": 0.0, **constants, "ahead": 0.0}
     given = dict(zip((p.argument for p in effect.parameters), values, strict=True))
     moving = {"x": places[:, 0], "y": places[:, 1], "t": time_s}
@@ -169,12 +169,12 @@ def _displacement(
 
 
 @lru_cache(maxsize=32)
-def _arguments(effect: Effect) -> tuple[str, ...]:
+def _observe_arguments(effect: Effect) -> tuple[str, ...]:
     return tuple(inspect.signature(effect.hooks["observe"]).parameters)
 
 
 @dataclass(frozen=True)
-class _OtherErrors:
+class _NuisancePatterns:
     """Patterns Z (n, z) of what else changes lengths, with variances (z,) where known: those of
     labels and of trials are estimated (`labels`, `trials`: which columns).
     """
@@ -185,9 +185,9 @@ class _OtherErrors:
     trials: np.ndarray
 
 
-def _other_errors(
-    camera: _Camera, windows: Distances, *, depth_given: bool, systematic: float
-) -> _OtherErrors:
+def _nuisance_patterns(
+    camera: _LengthExcess, windows: Distances, *, depth_given: bool, systematic: float
+) -> _NuisancePatterns:
     known, pair = windows.known_m, windows.pair.round()
     groups: list[tuple[str, Float, float]] = []
     for length in sorted(set(zip(pair, known.round(4), strict=True))):
@@ -207,14 +207,14 @@ def _other_errors(
         known_depth = depth_given or name != "uncorrected_refraction"
         std = size if known_depth else UNKNOWN_DEPTH_STD_SHARE
         effect = next(e for e in camera.effects if e.name == name)
-        unit = (1.0, *np.zeros(effect.strengths - 1), *_forms(effect)[0])
+        unit = (1.0, *np.zeros(effect.strengths - 1), *_tried_shape_values(effect)[0])
         groups.append(("calibrated", camera.excess(effect, unit), std))
     kind = np.array([g[0] for g in groups])
     columns, stds = (np.array([g[k] for g in groups]) for k in (1, 2))
-    return _OtherErrors(columns.T, stds**2, kind == "label", kind == "trial")
+    return _NuisancePatterns(columns.T, stds**2, kind == "label", kind == "trial")
 
 
-def _whitener(basis: Float, others: _OtherErrors, windows: Distances) -> Float:
+def _whitening_rows(basis: Float, others: _NuisancePatterns, windows: Distances) -> Float:
     """Rows (m, n) that turn excesses into independent numbers of unit variance, in the space of the
     patterns (n, k), each as large as is plausible.
     """

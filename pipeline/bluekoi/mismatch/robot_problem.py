@@ -12,7 +12,7 @@ from ..fitting import Series, TrialEffect
 from ..integrate import Kernel
 from ..model import STATE_VARIABLES, residual_sources
 from ..tuning import FittedModel
-from .camera_displacement import CAMERA_SHIFT, TAIL_FACTOR, CameraDisplacement
+from .camera_displacement import CAMERA_SHIFT_EFFECT, TAIL_FACTOR, CameraDisplacement
 
 SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
 FREQUENCY_STD_SHARE = 0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
@@ -28,7 +28,7 @@ CORE_LABEL_DISTANCE_M, HEAD_LABEL_DISTANCE_M = (
     0.2,
     0.12,
 )  # lengths over which labels define the directions of core and head
-PLACEMENT_STDS = {
+LABEL_OFFSET_STDS = {
     "keypoint_bias.forward_offset": LABEL_STD_M,
     "keypoint_bias.left_offset": LABEL_STD_M,
     "keypoint_bias.heading_offset": LABEL_STD_M / CORE_LABEL_DISTANCE_M,
@@ -61,11 +61,11 @@ def robot_problem(
     """
     system = kernel.system
     names = [e.name for e in system.effects
-             if e.kind in CAUSE_KINDS and (displaced or e.name != CAMERA_SHIFT)]  # fmt: skip
+             if e.kind in CAUSE_KINDS and (displaced or e.name != CAMERA_SHIFT_EFFECT)]  # fmt: skip
     odds = PRIORS.cause * np.exp(
         -TAIL_FACTOR * sum(np.log(len(series) * d.moments) for d in displaced)
     )
-    priors = replace(PRIORS, likely={**(PRIORS.likely or {}), CAMERA_SHIFT: float(odds)})
+    priors = replace(PRIORS, likely={**(PRIORS.likely or {}), CAMERA_SHIFT_EFFECT: float(odds)})
     return Problem(
         kernel=kernel,
         series=tuple(series),
@@ -73,7 +73,7 @@ def robot_problem(
         coefficients=baseline.fit.free,
         candidates=candidates_of(system, names, priors, residual_sources()),
         noise=replace(baseline.noise, trial_effects=TRIAL_EFFECTS),
-        tolerances=PLACEMENT_STDS | (HOMOGRAPHY_SCALE_STD if by_homography else {}),
+        tolerances=LABEL_OFFSET_STDS | (HOMOGRAPHY_SCALE_STD if by_homography else {}),
         state_variables=STATE_VARIABLES,
         progress=progress,
     )

@@ -21,10 +21,10 @@ def verdict_sentence(
 ) -> str:
     """One sentence of verdict."""
     if found.verdict == "none":
-        return _nothing(found)
+        return _no_cause_sentence(found)
     names = " and ".join(_with_probability(c) for c in named if c["name"] != UNEXPLAINED)
-    errors = _errors(found)
-    first = f"{_blame(named)}: {names}" if names else ""
+    errors = _path_error_clause(found)
+    first = f"{_physics_or_measurement(named)}: {names}" if names else ""
     excess = excess_error_clause(found)
     if found.verdict == UNEXPLAINED:
         beside = f"{first}; in addition a" if first else "A"
@@ -35,18 +35,18 @@ def verdict_sentence(
     return f"{first}{instead}; {errors}{excess}."
 
 
-def _nothing(found: MismatchResult) -> str:
-    if not _determined(found):
+def _no_cause_sentence(found: MismatchResult) -> str:
+    if not _is_half_determined(found):
         return (
             "These trials determine fewer than half of the coefficients, so the search cannot tell "
             "what the model lacks: film turns to both sides at two head angles and two powers."
         )
     if extra := excess_error_clause(found):
-        return f"No cause has a probability above 1/2, but {_errors(found)}{extra}."
+        return f"No cause has a probability above 1/2, but {_path_error_clause(found)}{extra}."
     return "No mismatch beyond the noise: the model without further causes describes these trials."
 
 
-def _errors(found: MismatchResult) -> str:
+def _path_error_clause(found: MismatchResult) -> str:
     before, after = (1000 * found.errors[k]["path_rmse_m"] for k in ("baseline", "extended"))
     held = set(found.held_out) < {f.name for f in found.forces}
     on = "on held-out trials" if held else "on the fitted trials (none could be held out)"
@@ -64,7 +64,7 @@ def unexplained_sentence(variable: str) -> str:
     )
 
 
-def _blame(named: Sequence[Mapping[str, Any]]) -> str:
+def _physics_or_measurement(named: Sequence[Mapping[str, Any]]) -> str:
     kind = next((c["kind"] for c in named if c["name"] != UNEXPLAINED), "")
     return "Measurement error" if kind == "measurement" else "Missing physics"
 
@@ -83,7 +83,7 @@ def excess_error_clause(found: MismatchResult) -> str:
             "model, or these trials do not identify everything that is missing")  # fmt: skip
 
 
-def _determined(found: MismatchResult) -> bool:
+def _is_half_determined(found: MismatchResult) -> bool:
     """Whether the baseline's fit determines at least half of its coefficients."""
     rows = coefficient_table(found.baseline).values()
     return 2 * sum(bool(row["determined"]) for row in rows) >= len(rows)

@@ -10,7 +10,7 @@ import pytest
 from candidate_causes import MEASUREMENT, PHYSICS
 
 from bluekoi import effects, measurement
-from bluekoi.fitting.side_measurements import predicted
+from bluekoi.fitting.side_measurements import predict_side_measurement
 from bluekoi.integrate import Effect
 from bluekoi.model import TABLE_1, effect_names, plates, residual, simulate
 from bluekoi.model.equations import flow
@@ -232,14 +232,16 @@ def test_side_measurements_predicted_by_functions_have_the_slopes_of_differences
         },
     )
     slot = system.slot
-    value, slopes = predicted(system, "lost_time", point[None])
+    value, slopes = predict_side_measurement(system, "lost_time", point[None])
     assert value[0] == pytest.approx(0.18)
     assert slopes[0, slot["motor_spin_up.missing_share"]] == pytest.approx(0.3)
     assert slopes[0, slot["motor_spin_up.time_constant"]] == pytest.approx(0.6)
     assert slopes[0, slot["motor_spin_up.dead_time"]] == pytest.approx(0.6)
     assert np.count_nonzero(slopes) == 3
-    assert predicted(system, "frequency_drift", point[None])[0][0] == pytest.approx(-0.02, rel=1e-3)
-    assert predicted(system, "clock_ratio", point[None])[0][0] == 0.0
+    assert predict_side_measurement(system, "frequency_drift", point[None])[0][0] == pytest.approx(
+        -0.02, rel=1e-3
+    )
+    assert predict_side_measurement(system, "clock_ratio", point[None])[0][0] == 0.0
 
 
 def test_a_force_with_the_heads_heading_turns_with_the_head() -> None:

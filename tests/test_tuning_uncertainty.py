@@ -12,7 +12,7 @@ from bluekoi.fitting import (
     cov_hc2,
     cov_jackknife,
 )
-from bluekoi.fitting.resampling import MIN_REMAINING, RIDGE
+from bluekoi.fitting.resampling import MIN_INFORMATION_SHARE_LEFT, RIDGE_SHARE
 from bluekoi.fitting.sandwich import _cr2_adjustment
 
 TRUTH = np.array([1.0, -0.5, 0.3])
@@ -201,7 +201,7 @@ def test_the_variance_of_a_direction_that_one_trial_determines_is_finite():
     gradient[:, 1] -= gradient[:, 1].mean()
     cov = cov_jackknife(Normal(hessian, gradient, np.zeros(11)))
     scores = np.abs(gradient[:, 1])
-    left = np.array([max(1 - h / 100.1, MIN_REMAINING) for h in hessian[:, 1, 1]])
+    left = np.array([max(1 - h / 100.1, MIN_INFORMATION_SHARE_LEFT) for h in hessian[:, 1, 1]])
     bound = np.sum((scores / left / 100.1) ** 2) + 0.25 / 100.1
     assert cov[1, 1] <= 1.01 * bound
     assert cov[0, 0] > 0.25 / 110
@@ -213,7 +213,7 @@ def test_with_equally_informative_trials_the_jackknife_is_the_usual_one():
     hessian = root @ np.swapaxes(root, 1, 2)
     gradient = rng.normal(size=(20, 3))
     gradient -= gradient.mean(axis=0)
-    ridge = RIDGE * np.diag(np.diag(hessian.sum(axis=0)))
+    ridge = RIDGE_SHARE * np.diag(np.diag(hessian.sum(axis=0)))
     rest = np.linalg.inv(hessian.sum(axis=0) + ridge - hessian)
     steps = np.einsum("tpq,tq->tp", rest, gradient)
     usual = 19 / 20 * steps.T @ steps + 0.25 * np.linalg.inv(hessian.sum(axis=0))

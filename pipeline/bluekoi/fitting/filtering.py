@@ -14,12 +14,14 @@ from ..integrate import Effect, Kernel, System
 from ..integrate.batch import active_effects, threaded_map
 from .series import Noise, Series, padded_arrays
 
-STEP_S = 1 / 30
+MAX_FILTER_STEP_S = 1 / 30
 """Longest integration step between observations, to 1 %: its error is far below a frame's noise.
 1/20 s would do for accuracy, but a strong fin damps yaw at 80/s, for which Runge and Kutta's steps
 are unstable from 1/30 s on.
 """
-DIFFERENCE = 1e-5  # size of state differences for the transition matrix, in each state's SI unit
+STATE_DIFFERENCE = (
+    1e-5  # size of state differences for the transition matrix, in each state's SI unit
+)
 
 
 @dataclass(frozen=True)
@@ -104,20 +106,20 @@ class FilterResults(Sequence[Filtered]):
 
 def filter_series(kernel: Kernel, series: Series, values: Float, noise: Noise) -> Filtered:
     """`Filtered` of one trial for a full parameter vector `(parameters,)`."""
-    return _filtered(kernel, series, values, _shared(kernel, noise))
+    return _filter_trial(kernel, series, values, _noise_arrays(kernel, noise))
 
 
 def filter_all(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> FilterResults:
     """`filter_series` for every trial with its own parameter vector, on all cores."""
-    jobs, shared = list(zip(series, values, strict=True)), _shared(kernel, noise)
-    found = threaded_map(lambda job: _filtered(kernel, job[0], job[1], shared), jobs)
+    jobs, shared = list(zip(series, values, strict=True)), _noise_arrays(kernel, noise)
+    found = threaded_map(lambda job: _filter_trial(kernel, job[0], job[1], shared), jobs)
     return FilterResults(tuple(series), tuple(found))
 
 
 @dataclass(frozen=True)
-class _Shared:
+class _NoiseArrays:
     """What one noise means for all trials: variance and memory of states, places, scales."""
 
     noise: Noise
@@ -128,16 +130,16 @@ class _Shared:
     scales: Float
 
 
-def _shared(kernel: Kernel, noise: Noise) -> _Shared:
+def _noise_arrays(kernel: Kernel, noise: Noise) -> _NoiseArrays:
     count = len(kernel.system.all_states)
     variance, memory = np.zeros(count), np.ones(count)
     slots = np.array(disturbance_slots(kernel)[: len(noise.disturbance)], dtype=int)
     variance[slots], memory[slots] = noise.disturbance**2, noise.tau
     scales = np.outer(noise.scale, noise.scale)
-    return _Shared(noise, variance, memory, slots, np.full(count, DIFFERENCE), scales)
+    return _NoiseArrays(noise, variance, memory, slots, np.full(count, STATE_DIFFERENCE), scales)
 
 
-def _filtered(kernel: Kernel, series: Series, values: Float, shared: _Shared) -> Filtered:
+def _filter_trial(kernel: Kernel, series: Series, values: Float, shared: _NoiseArrays) -> Filtered:
     n, s, o = len(series.times), len(kernel.system.all_states), len(kernel.system.observations)
     shapes = ((n, s, o), (n, o, o), (n, s, s), (n, s), (n, s), (n, s, s), (n, s, s), (n, o))
     gains, roots, transitions, predicted, filtered, cov_p, cov_f, innovations = map(
@@ -145,7 +147,7 @@ def _filtered(kernel: Kernel, series: Series, values: Float, shared: _Shared) ->
     )
     values, cov = with_noise(kernel, values, shared.noise), series.cov.copy()
     cov[shared.random, shared.random] = shared.variance[shared.random]
-    on, step_s = active_effects(kernel.system, values), kernel.system.step_s or STEP_S
+    on, step_s = active_effects(kernel.system, values), kernel.system.step_s or MAX_FILTER_STEP_S
     log_likelihood = kernel.kalman(
         series.mean, cov, values, series.constants, series.times, series.inputs, series.seen,
         series.noise * shared.scales, shared.variance, shared.memory, shared.difference,
@@ -164,7 +166,7 @@ def smooth(result: Filtered) -> tuple[Float, Float]:
         # C = P_k F' (P_k+1|k)^-1
         predicted = result.cov_predicted[k + 1]
         F = result.transitions[k + 1]
-        C = np.linalg.solve(_regular(predicted), F @ result.cov_filtered[k]).T
+        C = np.linalg.solve(_regularised(predicted), F @ result.cov_filtered[k]).T
         mean[k] = result.filtered[k] + C @ (mean[k + 1] - result.predicted[k + 1])
         cov[k] = result.cov_filtered[k] + C @ (cov[k + 1] - predicted) @ C.T
     return mean, cov
@@ -191,7 +193,7 @@ def with_noise(kernel: Kernel, values: Float, noise: Noise) -> Float:
     A random effect's parameters are `present` and then a memory for all its states, or one each.
     """
     out = values.copy()
-    for present, memories, first, last in _random_places(kernel.system):
+    for present, memories, first, last in _random_effect_slots(kernel.system):
         acts = bool(np.any(noise.disturbance[first:last] > 0))
         out[present] = float(acts)
         for i, slot in enumerate(memories if acts else ()):
@@ -200,7 +202,7 @@ def with_noise(kernel: Kernel, values: Float, noise: Noise) -> Float:
 
 
 @lru_cache(maxsize=64)
-def _random_places(system: System) -> tuple[tuple[int, tuple[int, ...], int, int], ...]:
+def _random_effect_slots(system: System) -> tuple[tuple[int, tuple[int, ...], int, int], ...]:
     """Of each random effect: places of `present` and of its memories, its states from and to."""
     out, at = [], 0
     for effect in (e for e in system.effects if e.kind == "disturbance"):
@@ -212,14 +214,14 @@ def _random_places(system: System) -> tuple[tuple[int, tuple[int, ...], int, int
 
 def active_states(system: System, on: np.ndarray) -> np.ndarray:
     """Places of the model's states and of those of the effects that are on, uint8 (effects,)."""
-    return _active(system, on.tobytes())
+    return _active_state_indices(system, on.tobytes())
 
 
 @lru_cache(maxsize=512)
-def _active(system: System, on: bytes) -> np.ndarray:
+def _active_state_indices(system: System, on: bytes) -> np.ndarray:
     used = [s for e, acts in zip(system.effects, on, strict=True) if acts for s in e.states]
     return np.array([system.all_states.index(n) for n in (*system.states, *used)])
 
 
-def _regular(matrix: Float) -> Float:
+def _regularised(matrix: Float) -> Float:
     return matrix + 1e-14 * np.trace(matrix) * np.eye(len(matrix)) + 1e-18 * np.eye(len(matrix))

@@ -13,8 +13,8 @@ from ..integrate.batch import propagate, run_in_threads
 from .gram import set_products
 from .series import Series, observations_and_weights, padded_arrays
 
-SHARES = (0.25, 0.5, 1.0)
-STEP = 1e-4
+TRIAL_SHARES = (0.25, 0.5, 1.0)
+START_STATE_DIFFERENCE = 1e-4
 """Size of the differences in the starting states, in their SI units."""
 
 
@@ -47,13 +47,15 @@ def free_runs(
     start is led to a fine one.
     """
     starts = np.array([s.mean for s in series])
-    for share in SHARES:
+    for share in TRIAL_SHARES:
         part = [first_part(s, share) for s in series]
-        starts = _fitted_starts(_runs(kernel, part, values, open_states), starts,
+        starts = _fitted_starts(_padded_runs(kernel, part, values, open_states), starts,
                                 iterations=iterations)  # fmt: skip
-    observed, states = _runs(kernel, series, values, 0).of(starts, keep_states=True)
+    observed, states = _padded_runs(kernel, series, values, 0).of(starts, keep_states=True)
     return [
-        FreeRun(x, run[: len(s.times), :, 0], o[: len(s.times), :, 0], _rmse(s, o[:, :, 0]))
+        FreeRun(
+            x, run[: len(s.times), :, 0], o[: len(s.times), :, 0], _position_rmse(s, o[:, :, 0])
+        )
         for s, x, run, o in zip(series, starts, states, observed, strict=True)
     ]
 
@@ -65,7 +67,7 @@ def first_part(series: Series, share: float) -> Series:
 
 
 @dataclass(frozen=True)
-class _Runs:
+class _PaddedRuns:
     """Trials t side by side, n frames, o observations: seen (t, n, o) and weight, one over the
     stated deviation, 0 where missing; prior mean and deviation (t, states) of the starts, of which
     the first `count` are open.
@@ -86,7 +88,7 @@ class _Runs:
     def of(self, starts: Float, *, keep_states: bool = False) -> tuple[Float, Float]:
         """Observations and states of runs from these starts and, in further lanes, beside them."""
         state = np.repeat(starts[:, :, None], LANES, axis=2)
-        state[:, range(self.count), range(1, self.count + 1)] += STEP
+        state[:, range(self.count), range(1, self.count + 1)] += START_STATE_DIFFERENCE
         return propagate(
             self.kernel, state, self.values, self.constants, times=self.times, inputs=self.inputs,
             frames=self.frames, keep_states=keep_states,
@@ -102,8 +104,8 @@ class _Runs:
         run_in_threads(
             lambda *ends: set_products(observed, self.seen, self.weight, ends, out), len(out)
         )
-        out[:, 1:] /= STEP
-        out[:, :, 1:] /= STEP
+        out[:, 1:] /= START_STATE_DIFFERENCE
+        out[:, :, 1:] /= START_STATE_DIFFERENCE
         error = (self.mean - starts) / self.std
         own = range(1, self.count + 1)
         out[:, 0, 0] += np.sum(error**2, axis=1)
@@ -113,11 +115,13 @@ class _Runs:
         return out
 
 
-def _runs(kernel: Kernel, series: Sequence[Series], values: Sequence[Float], count: int) -> _Runs:
+def _padded_runs(
+    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], count: int
+) -> _PaddedRuns:
     frames, seen, weight = observations_and_weights(series)
     lanes = [np.repeat(np.array(rows)[:, :, None], LANES, axis=2)
              for rows in (values, [s.constants for s in series])]  # fmt: skip
-    return _Runs(
+    return _PaddedRuns(
         kernel, lanes[0], lanes[1],
         times=padded_arrays([s.times for s in series]),
         inputs=padded_arrays([s.inputs for s in series]),
@@ -130,12 +134,12 @@ def _runs(kernel: Kernel, series: Sequence[Series], values: Sequence[Float], cou
     )  # fmt: skip
 
 
-def _fitted_starts(runs: _Runs, starts: Float, *, iterations: int) -> Float:
+def _fitted_starts(runs: _PaddedRuns, starts: Float, *, iterations: int) -> Float:
     """Starts (trials, states) from which each trial's run is closest to what was seen."""
     starts, products = starts.copy(), runs.products(starts)
     damping = np.full(len(starts), 1e-3)
     for _ in range(iterations):
-        trial = starts + _steps(products, damping, starts.shape[1])
+        trial = starts + _damped_steps(products, damping, starts.shape[1])
         found = runs.products(trial)
         cost, new = products[:, 0, 0], found[:, 0, 0]
         with np.errstate(invalid="ignore"):  # both infinite: not settled
@@ -148,7 +152,7 @@ def _fitted_starts(runs: _Runs, starts: Float, *, iterations: int) -> Float:
     return starts
 
 
-def _steps(products: Float, damping: Float, states: int) -> Float:
+def _damped_steps(products: Float, damping: Float, states: int) -> Float:
     """Damped steps (trials, states) to smaller errors; none where a run goes away."""
     usable = np.isfinite(products).all(axis=(1, 2))
     H, g = products[usable, 1:, 1:], products[usable, 1:, 0]
@@ -158,7 +162,7 @@ def _steps(products: Float, damping: Float, states: int) -> Float:
     return steps
 
 
-def _rmse(series: Series, observed: Float) -> float:
+def _position_rmse(series: Series, observed: Float) -> float:
     error = series.seen[:, :2] - observed[: len(series.times), :2]
     square = np.sum(error**2, axis=1)
     return (

@@ -7,25 +7,28 @@ import numpy as np
 from ..data import Float
 from ..vector_width import njit
 
-CHUNK = 64
+OBSERVATIONS_PER_CHUNK = 64
 """Observations gathered before their products are summed: sums along rows become vectors."""
 
 
-FAST = {"nsz", "contract", "reassoc"}
+FASTMATH_FLAGS = {"nsz", "contract", "reassoc"}
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
-def _add(columns: Float, count: int, sums: Float) -> None:
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH_FLAGS)
+def _add_column_products(columns: Float, count: int, sums: Float) -> None:
     """Add products of the first `count` numbers of all columns to the lower half of `sums`."""
     for j in range(sums.shape[0]):
         for k in range(j + 1):
             total = 0.0
             for p in range(count):
-                total += columns[j * CHUNK + p] * columns[k * CHUNK + p]
+                total += (
+                    columns[j * OBSERVATIONS_PER_CHUNK + p]
+                    * columns[k * OBSERVATIONS_PER_CHUNK + p]
+                )
             sums[j, k] += total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH_FLAGS)
 def set_products(
     observed: Float, seen: Float, weight: Float, trials: tuple[int, int], out: Float
 ) -> None:
@@ -36,7 +39,7 @@ def set_products(
     weight 0 where nothing was seen.
     """
     used, observations = out.shape[1], seen.shape[2]
-    columns = np.zeros(used * CHUNK)
+    columns = np.zeros(used * OBSERVATIONS_PER_CHUNK)
     for t in range(trials[0], trials[1]):
         count = 0
         for j in range(used):
@@ -48,18 +51,18 @@ def set_products(
             if w != 0.0:
                 columns[count] = (seen[t, i, o] - base) * w
                 for j in range(1, used):
-                    columns[j * CHUNK + count] = (observed[t, i, o, j] - base) * w
+                    columns[j * OBSERVATIONS_PER_CHUNK + count] = (observed[t, i, o, j] - base) * w
                 count += 1
-            if count == CHUNK:
-                _add(columns, count, out[t])
+            if count == OBSERVATIONS_PER_CHUNK:
+                _add_column_products(columns, count, out[t])
                 count = 0
-        _add(columns, count, out[t])
+        _add_column_products(columns, count, out[t])
         for j in range(used):
             for k in range(j):
                 out[t, k, j] = out[t, j, k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH_FLAGS)
 def set_whitened_products(  # noqa: PLR0917
     observed: Float, seen: Float, roots: Float, frames: np.ndarray, first: np.ndarray,
     places: np.ndarray, counts: np.ndarray, trials: tuple[int, int], out: Float,
@@ -73,7 +76,7 @@ def set_whitened_products(  # noqa: PLR0917
     observations, observations), lower triangles, rows of 0 where nothing was seen.
     """
     most, size = places.shape[1], seen.shape[2]
-    columns, sums = np.zeros(most * CHUNK), np.zeros((most, most))
+    columns, sums = np.zeros(most * OBSERVATIONS_PER_CHUNK), np.zeros((most, most))
     for t in range(trials[0], trials[1]):
         used, count = counts[t], 0
         own = observed[first[t] : first[t + 1]]
@@ -83,20 +86,22 @@ def set_whitened_products(  # noqa: PLR0917
         for row in range(frames[t] * size):
             i, o = row // size, row % size
             if roots[t, i, o, o] != 0.0:
-                _whiten(columns, count, used, own[:, i], seen[t, i], roots[t, i, o, : o + 1])
+                _write_whitened_row(
+                    columns, count, used, own[:, i], seen[t, i], roots[t, i, o, : o + 1]
+                )
                 count += 1
-            if count == CHUNK:
-                _add(columns, count, sums[:used])
+            if count == OBSERVATIONS_PER_CHUNK:
+                _add_column_products(columns, count, sums[:used])
                 count = 0
-        _add(columns, count, sums[:used])
+        _add_column_products(columns, count, sums[:used])
         for j in range(used):
             for k in range(j + 1):
                 a, b = places[t, j], places[t, k]
                 out[t, a, b] = out[t, b, a] = sums[j, k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
-def _whiten(  # noqa: PLR0917
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH_FLAGS)
+def _write_whitened_row(  # noqa: PLR0917
     columns: Float, count: int, used: int, observed: Float, seen: Float, root: Float
 ) -> None:
     """Row `count` of all columns: one row of a root times errors and differences of a frame."""
@@ -108,4 +113,4 @@ def _whiten(  # noqa: PLR0917
             else:
                 block = observed[(j - 1) // 15, q]
                 total += root[q] * (block[(j - 1) % 15 + 1] - block[0])
-        columns[j * CHUNK + count] = total
+        columns[j * OBSERVATIONS_PER_CHUNK + count] = total

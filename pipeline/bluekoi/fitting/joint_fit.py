@@ -19,7 +19,7 @@ from .series import Free, Noise, Series
 CONVERGED = "converged"
 AT_BOUND = "at a bound: the data ask for more than is plausible, look for missing physics"
 STALLED = "stalled: no step improves the fit; try other starts, or fewer free coefficients"
-DAMPING, DAMPED_TOLERANCE = 1e-4, 0.3
+INITIAL_DAMPING, DAMPED_TOLERANCE = 1e-4, 0.3
 """Marquardt's parameter at the start, and the part of the tolerance at which a step that is damped
 more than that ends a fit.
 """
@@ -76,15 +76,15 @@ def fit(
     x = np.clip(x, lower, upper)
     normal = normal_equations(kernel, series, base, free, x, noise=noise, predictor=predictor,
                               spreads=spreads)  # fmt: skip
-    damping, outcome, count = DAMPING, STALLED, 0
+    damping, outcome, count = INITIAL_DAMPING, STALLED, 0
     while normal.usable and count < iterations and damping < 1e8:
         count += 1
         step = damped_step(normal, damping, x, lower, upper)
         trial = np.clip(x + step, lower, upper)
-        undamped = damping <= DAMPING
+        undamped = damping <= INITIAL_DAMPING
         if _is_small(normal, trial - x, tolerance if undamped else DAMPED_TOLERANCE * tolerance):
             if undamped:
-                x, normal = trial, _after(normal, trial - x)
+                x, normal = trial, _normal_after_step(normal, trial - x)
             outcome = CONVERGED
             break
         candidate = normal_equations(
@@ -122,7 +122,7 @@ def _is_small(normal: Normal, change: Float, tolerance: float) -> bool:
     return bool(change @ normal.hessian.sum(axis=0) @ change < tolerance**2 * max(len(change), 1))
 
 
-def _after(normal: Normal, step: Float) -> Normal:
+def _normal_after_step(normal: Normal, step: Float) -> Normal:
     """The normal equations a step further, by their own parabola."""
     bend = normal.hessian @ step
     return Normal(

@@ -21,7 +21,7 @@ from ..data import Float
 from ..integrate import LANES, Kernel
 from ..integrate.batch import active_effects, propagate, run_in_threads
 from .filtering import (
-    DIFFERENCE,
+    STATE_DIFFERENCE,
     Filtered,
     FilterResults,
     active_states,
@@ -30,7 +30,7 @@ from .filtering import (
     with_noise,
 )
 from .recursion import log_likelihoods
-from .score import gradients
+from .score import log_likelihood_gradients
 from .series import Noise, Series, padded_arrays
 
 
@@ -74,7 +74,9 @@ def linearised(
     random = np.array([active.tolist().index(slots[k]) for k in places], dtype=np.int64)
     tau = np.zeros(len(active))
     tau[random] = noise.tau[places]
-    observed, gradients = _observed(kernel, series, values, noise, passed=passed, active=active)
+    observed, gradients = _observations_and_slopes(
+        kernel, series, values, noise, passed=passed, active=active
+    )
     block = np.ix_(active, active)
     return LinearisedFilter(
         np.array([len(s.times) for s in series]),
@@ -105,7 +107,7 @@ class NoiseGradient:
 def log_likelihood(linear: LinearisedFilter, noise: Noise) -> float:
     """Of all trials under another noise, to first order around the path of `linear`."""
     out = np.zeros(len(linear.counts))
-    given = (*_matrices(linear), *_strengths(linear, noise))
+    given = (*_recursion_arguments(linear), *_noise_arrays(linear, noise))
     run_in_threads(lambda first, last: log_likelihoods(*given, first, last, out), len(out))
     return float(out.sum())
 
@@ -115,9 +117,11 @@ def log_likelihood_gradient(linear: LinearisedFilter, noise: Noise) -> NoiseGrad
     trials, states, size = len(linear.counts), len(linear.tau), len(noise.scale)
     out, by_scales = np.zeros(trials), np.zeros((trials, size, size))
     by_variance, by_memory = np.zeros((2, trials, states))
-    given = (*_matrices(linear), *_strengths(linear, noise))
-    run_in_threads(lambda first, last: gradients(*given, first, last, out, by_variance, by_memory,
-                                        by_scales), trials)  # fmt: skip
+    given = (*_recursion_arguments(linear), *_noise_arrays(linear, noise))
+    slopes = (by_variance, by_memory, by_scales)
+    run_in_threads(
+        lambda first, last: log_likelihood_gradients(*given, first, last, out, *slopes), trials
+    )
     disturbance, tau = np.zeros((2, len(noise.disturbance)))
     disturbance[linear.places] = 2.0 * noise.disturbance[linear.places] * by_variance.sum(
         axis=0)[linear.random]  # fmt: skip
@@ -126,12 +130,12 @@ def log_likelihood_gradient(linear: LinearisedFilter, noise: Noise) -> NoiseGrad
     return NoiseGradient(float(out.sum()), disturbance, tau, scale)
 
 
-def _matrices(linear: LinearisedFilter) -> tuple[np.ndarray, ...]:
+def _recursion_arguments(linear: LinearisedFilter) -> tuple[np.ndarray, ...]:
     return (linear.counts, linear.times, linear.F, linear.H, linear.correction, linear.level,
             linear.residual, linear.noise, linear.cov, linear.tau)  # fmt: skip
 
 
-def _strengths(linear: LinearisedFilter, noise: Noise) -> tuple[Float, Float, Float]:
+def _noise_arrays(linear: LinearisedFilter, noise: Noise) -> tuple[Float, Float, Float]:
     """Variance and memory (a,) of the active states, and the factors on the stated noise (o, o)."""
     variance, memory = np.zeros((2, len(linear.tau)))
     variance[linear.random] = noise.disturbance[linear.places] ** 2
@@ -139,7 +143,7 @@ def _strengths(linear: LinearisedFilter, noise: Noise) -> tuple[Float, Float, Fl
     return variance, memory, np.outer(noise.scale, noise.scale)
 
 
-def _observed(
+def _observations_and_slopes(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise, *,
     passed: Sequence[Filtered], active: np.ndarray,
 ) -> tuple[Float, Float]:  # fmt: skip
@@ -147,7 +151,7 @@ def _observed(
     predicted = padded_arrays([p.predicted for p in passed])
     trials, frames, states = predicted.shape
     state = np.repeat(predicted.reshape(-1, states, 1), LANES, axis=2)
-    state[:, active, np.arange(1, len(active) + 1)] += DIFFERENCE
+    state[:, active, np.arange(1, len(active) + 1)] += STATE_DIFFERENCE
     each = np.repeat(np.arange(trials), frames)
     full = np.array([with_noise(kernel, v, noise) for v in values])[each]
     constants = np.array([s.constants for s in series])[each]
@@ -156,7 +160,7 @@ def _observed(
     seen, _ = propagate(kernel, state, *lanes, times=times.reshape(-1, 1),
                         inputs=inputs.reshape(len(each), 1, inputs.shape[2]))  # fmt: skip
     flat = seen[:, 0]
-    gradients = (flat[:, :, 1 : len(active) + 1] - flat[:, :, :1]) / DIFFERENCE
+    gradients = (flat[:, :, 1 : len(active) + 1] - flat[:, :, :1]) / STATE_DIFFERENCE
     known = np.isfinite(padded_arrays([s.seen for s in series]))
     H = np.where(known[..., None], gradients.reshape(*known.shape, len(active)), 0.0)
     return flat[:, :, 0].reshape(known.shape), H

@@ -22,8 +22,8 @@ from .linear import (
 from .series import Noise, Series
 
 MIN_STRENGTH = 1e-9
-DIVERGED = -1e12
-LOG_RANGE = 4.0
+LOG_LIKELIHOOD_IF_DIVERGED = -1e12
+MAX_LOG_CHANGE = 4.0
 """Strengths and correlation times are estimated within a factor of e^4 of their start."""
 
 
@@ -55,14 +55,14 @@ def fit_noise(
     points = [values[i] for i in chosen]
     if passes is None or len(chosen) < len(series):
         passes = filter_all(kernel, some, points, noise)
-    estimated = _estimated_places(kernel, noise)
+    estimated = _estimated_indices(kernel, noise)
     if not estimated:
         return FittedNoise(noise, passes)
 
     def noise_of(logs: Float) -> Noise:
         return _with_estimates(kernel, noise, estimated, np.exp(logs))
 
-    logs, width = np.log([max(_as_vector(noise)[k], MIN_STRENGTH) for k in estimated]), 0.7
+    logs, width = np.log([max(_noise_vector(noise)[k], MIN_STRENGTH) for k in estimated]), 0.7
     linear = linearised(kernel, some, points, noise_of(logs), passes)
     before = best = _or_diverged(log_likelihood(linear, noise_of(logs)))
     if line_searches:
@@ -89,7 +89,7 @@ def _negative_log_likelihood(
     slopes = log_likelihood_gradient(linear, noise)
     gradient = _log_gradient(kernel, noise, slopes)[list(estimated)]
     if not np.isfinite([slopes.log_likelihood, *gradient]).all():
-        return -DIVERGED, np.zeros(len(gradient))
+        return -LOG_LIKELIHOOD_IF_DIVERGED, np.zeros(len(gradient))
     return -slopes.log_likelihood, -gradient
 
 
@@ -97,19 +97,19 @@ def _quasi_newton_steps(
     objective: Callable[[Float], tuple[float, Float]], logs: Float, rounds: int
 ) -> Float:
     """Quasi-Newton steps from `logs`: ridges of the likelihood are not parallel to the axes."""
-    bounds = [(x - LOG_RANGE, x + LOG_RANGE) for x in logs]
+    bounds = [(x - MAX_LOG_CHANGE, x + MAX_LOG_CHANGE) for x in logs]
     found = minimize(objective, logs, jac=True, method="L-BFGS-B", bounds=bounds,
                      options={"maxiter": rounds, "ftol": 1e-7})  # fmt: skip
     return np.asarray(found.x)
 
 
 def _or_diverged(likelihood: float) -> float:
-    """The likelihood, or `DIVERGED`."""
-    return likelihood if np.isfinite(likelihood) else DIVERGED
+    """The likelihood, or `LOG_LIKELIHOOD_IF_DIVERGED`."""
+    return likelihood if np.isfinite(likelihood) else LOG_LIKELIHOOD_IF_DIVERGED
 
 
 def _log_gradient(kernel: Kernel, noise: Noise, slopes: NoiseGradient) -> Float:
-    """Slopes by the logarithms of `_as_vector`: sigma goes with 1 / sqrt(tau); 0 out of a bound."""
+    """Slopes by the logs of `_noise_vector`: sigma goes with 1 / sqrt(tau); 0 out of a bound."""
     count, own = len(noise.disturbance), slopes.disturbance * noise.disturbance
     tau = np.zeros(count)
     for k, (shared, parameter) in _correlation_times(kernel, count).items():
@@ -138,13 +138,13 @@ def _parabolic_step(
     return chosen, value
 
 
-def _as_vector(noise: Noise) -> Float:
+def _noise_vector(noise: Noise) -> Float:
     """Random states' sigma sqrt(tau), then their tau, then the scales of the observations."""
     return np.concatenate([noise.disturbance * np.sqrt(noise.tau), noise.tau, noise.scale])
 
 
-def _estimated_places(kernel: Kernel, noise: Noise) -> list[int]:
-    """Places in `_as_vector`: strengths, correlation times and scales."""
+def _estimated_indices(kernel: Kernel, noise: Noise) -> list[int]:
+    """Places in `_noise_vector`: strengths, correlation times and scales."""
     count = len(noise.disturbance)
     used = [k for k in range(count) if noise.disturbance[k] > 0]
     times = [count + k for k in _correlation_times(kernel, count) if k in used]
@@ -169,7 +169,7 @@ def _all_correlation_times(system: System) -> dict[int, tuple[int, Parameter]]:
 
 
 def _with_estimates(kernel: Kernel, noise: Noise, estimated: Sequence[int], found: Float) -> Noise:
-    flat, count = _as_vector(noise), len(noise.disturbance)
+    flat, count = _noise_vector(noise), len(noise.disturbance)
     flat[list(estimated)] = found
     tau = flat[count : 2 * count].copy()
     for k, (shared, parameter) in _correlation_times(kernel, count).items():

@@ -13,7 +13,7 @@ from ..integrate.batch import MAX_STEP_S
 from .normal import slots_by_name
 from .series import Free, Series, observations_and_weights, padded_arrays
 
-ROUGH_STEP_S = 2 * MAX_STEP_S
+COARSE_STEP_S = 2 * MAX_STEP_S
 """Step of the integrator while a fit is led to where it may begin."""
 
 
@@ -48,7 +48,7 @@ class PaddedTrials:
             self, frames=frames, times=self.times[:, longest], inputs=self.inputs[:, longest],
             seen=self.seen[:, longest],
             weight=np.where(late[:, :, None], 0.0, self.weight[:, longest]),
-            step_s=MAX_STEP_S if share == 1.0 else ROUGH_STEP_S,
+            step_s=MAX_STEP_S if share == 1.0 else COARSE_STEP_S,
         )  # fmt: skip
 
 

@@ -30,8 +30,8 @@ from .normal import Normal, slots_by_name
 from .padded import PaddedTrials, padded_trials
 from .series import Free, Series
 
-START_STEP = 1e-4
-SHARES, COARSE_ITERATIONS = (0.25, 0.5, 1.0), 6
+START_STATE_DIFFERENCE = 1e-4
+TRIAL_SHARES, COARSE_ITERATIONS = (0.25, 0.5, 1.0), 6
 """First a quarter of each trial is fitted, then half, at most so many rounds, in longer steps of
 the integrator, then all of it: a model that would run away from a rough start is led to a fine
 one."""
@@ -69,7 +69,7 @@ NO_BLOCKS = _BlockNormal(*(np.zeros(0) for _ in range(6)))
 def fit_paths(
     kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], *, start:
     Mapping[str, float] | None = None, open_states: int = 6, iterations: int = 40, tolerance: float
-    = 1e-3, shares: Sequence[float] = SHARES,
+    = 1e-3, shares: Sequence[float] = TRIAL_SHARES,
 ) -> PathFit:  # fmt: skip
     """Levenberg-Marquardt on trajectories, starting states free, bounds kept.
 
@@ -82,19 +82,19 @@ def fit_paths(
     bounds = [kernel.system.parameters[slots[f.name]] for f in free]
     limits = np.array([[p.lower for p in bounds], [p.upper for p in bounds]])
     x = np.array([(start or {}).get(f.label, base[slots[f.name]]) for f in free])
-    at = _Point(np.clip(x, *limits), np.array([s.mean for s in series]), 1e-3)
+    at = _Iterate(np.clip(x, *limits), np.array([s.mean for s in series]), 1e-3)
     problem = padded_trials(kernel, series, base, free, open_states)
     for share in shares:
         whole = share == shares[-1]
-        at = _minimised(problem.first_part(share), at, limits,
-                        iterations=iterations if whole else COARSE_ITERATIONS,
-                        tolerance=tolerance if whole else 1.0)  # fmt: skip
-    normal, _ = _reduced(at.blocks, 0.0)
+        at = _minimise_from(problem.first_part(share), at, limits,
+                            iterations=iterations if whole else COARSE_ITERATIONS,
+                            tolerance=tolerance if whole else 1.0)  # fmt: skip
+    normal, _ = _eliminate_starts(at.blocks, 0.0)
     return PathFit(Fit(tuple(free), at.x, normal, at.outcome, at.count), at.starts)
 
 
 @dataclass(frozen=True)
-class _Point:
+class _Iterate:
     """Where a minimisation is, and what it found there."""
 
     x: Float
@@ -105,13 +105,13 @@ class _Point:
     count: int = 0
 
 
-def _minimised(
-    problem: PaddedTrials, at: _Point, limits: Float, *, iterations: int, tolerance: float
-) -> _Point:
+def _minimise_from(
+    problem: PaddedTrials, at: _Iterate, limits: Float, *, iterations: int, tolerance: float
+) -> _Iterate:
     """Rounds from a point on, until the next step would move nothing beyond the tolerance."""
     at = replace(at, blocks=_block_normal(problem, at.x, at.starts), outcome=STALLED, count=0)
     while np.isfinite(at.blocks.cost).all() and at.count < iterations and at.damping < 1e8:
-        normal, to_start = _reduced(at.blocks, at.damping)
+        normal, to_start = _eliminate_starts(at.blocks, at.damping)
         step = damped_step(normal, at.damping, at.x, *limits)
         x = np.clip(at.x + step, *limits)
         starts = at.starts.copy()
@@ -121,7 +121,7 @@ def _minimised(
             return replace(at, outcome=CONVERGED)
         blocks = _block_normal(problem, x, starts)
         if np.isfinite(blocks.cost).all() and blocks.cost.sum() <= at.blocks.cost.sum():
-            at = _Point(x, starts, max(at.damping * 0.1, 1e-9), blocks, count=at.count + 1)
+            at = _Iterate(x, starts, max(at.damping * 0.1, 1e-9), blocks, count=at.count + 1)
         else:
             at = replace(at, damping=at.damping * 10.0, count=at.count + 1)
     return at
@@ -138,11 +138,13 @@ def _is_small(blocks: _BlockNormal, change: Float, shift: Float, tolerance: floa
 def _block_normal(problem: PaddedTrials, x: Float, starts: Float) -> _BlockNormal:
     """`_BlockNormal` at a point, from batches of simulations."""
     n = problem.open_states
-    size = np.concatenate([np.full(n, START_STEP),
+    size = np.concatenate([np.full(n, START_STATE_DIFFERENCE),
                            1e-4 * np.maximum(np.abs(x), problem.least_step)])  # fmt: skip
     with np.errstate(all="ignore"):  # a run that goes away has no finite cost and is not taken
         parts = [
-            _products(problem, slice(first, first + TRIALS_PER_CALL), x, size, starts=starts)
+            _error_and_slope_products(
+                problem, slice(first, first + TRIALS_PER_CALL), x, size, starts=starts
+            )
             for first in range(0, len(starts), TRIALS_PER_CALL)
         ]
     products = np.concatenate(parts)
@@ -154,13 +156,13 @@ def _block_normal(problem: PaddedTrials, x: Float, starts: Float) -> _BlockNorma
                   products[:, 0, 0] + np.sum(pull**2, axis=1))  # fmt: skip
 
 
-def _products(
+def _error_and_slope_products(
     problem: PaddedTrials, trials: slice, x: Float, size: Float, *, starts: Float
 ) -> Float:
     """Products (t, 1 + s, 1 + s) of errors and of differences `size` of some trials: one call."""
     count = problem.open_states
     state = np.repeat(starts[trials, :, None], LANES, axis=2)
-    state[:, range(count), range(1, count + 1)] += START_STEP
+    state[:, range(count), range(1, count + 1)] += START_STATE_DIFFERENCE
     values = np.empty((len(state), len(problem.base), LANES))
     values[:] = problem.base[:, None]
     for k, (slot, own) in enumerate(problem.own):
@@ -177,7 +179,7 @@ def _products(
     return out
 
 
-def _reduced(blocks: _BlockNormal, damping: float) -> tuple[Normal, tuple[Float, Float]]:
+def _eliminate_starts(blocks: _BlockNormal, damping: float) -> tuple[Normal, tuple[Float, Float]]:
     """Schur complement, summed over trials; the starts' steps: slope (t, s, p) and own (t, s)."""
     if blocks.start.size == 0:
         nothing = blocks.mixed.transpose(0, 2, 1)
@@ -186,12 +188,12 @@ def _reduced(blocks: _BlockNormal, damping: float) -> tuple[Normal, tuple[Float,
             blocks.start_rhs,
         )
     C = blocks.start * (1.0 + damping * np.eye(blocks.start.shape[1]))
-    inverse_mixed = _solved(C, blocks.mixed.transpose(0, 2, 1))
-    own = _solved(C, blocks.start_rhs[:, :, None])[:, :, 0]
+    inverse_mixed = _solve_stacked(C, blocks.mixed.transpose(0, 2, 1))
+    own = _solve_stacked(C, blocks.start_rhs[:, :, None])[:, :, 0]
     hessian = blocks.common - blocks.mixed @ inverse_mixed
     gradient = blocks.common_rhs - np.einsum("tps,ts->tp", blocks.mixed, own)
     return Normal(hessian, gradient, -0.5 * blocks.cost), (-inverse_mixed, own)
 
 
-def _solved(matrices: Float, sides: Float) -> Float:
+def _solve_stacked(matrices: Float, sides: Float) -> Float:
     return np.asarray(np.linalg.solve(matrices, sides), dtype=np.float64)

@@ -13,7 +13,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate, run_in_threads
-from .filtering import STEP_S, FilterResults, with_noise
+from .filtering import MAX_FILTER_STEP_S, FilterResults, with_noise
 from .gram import set_whitened_products
 from .series import Noise
 
@@ -60,7 +60,7 @@ def whitened_products(
                 values[first[t] + block, slot, lane + 1] += weight * changes[k].step
             for slot, offset in changes[k].offsets.items():
                 values[first[t] + block, slot, lane + 1] += offset
-    observed = _predicted(kernel, passes, values, trials, noise)
+    observed = _predicted_observations(kernel, passes, values, trials, noise)
     counts = np.array([1 + len(ks) for ks in own])
     out = np.zeros((len(passes), len(steps), len(steps)))
     given = (observed, passes.seen, passes.roots, passes.frames, first, places, counts)
@@ -68,7 +68,7 @@ def whitened_products(
     return out / (steps[:, None] * steps)
 
 
-def _predicted(
+def _predicted_observations(
     kernel: Kernel, passes: FilterResults, values: Float, trials: np.ndarray, noise: Noise
 ) -> Float:
     """Predicted observations (blocks, frames, observations, 16) of the trials of the blocks."""
@@ -84,6 +84,6 @@ def _predicted(
         np.repeat(constants[:, :, None], LANES, axis=2),
         times=of_blocks(passes.times), inputs=of_blocks(passes.inputs),
         frames=of_blocks(passes.frames), seen=of_blocks(passes.seen),
-        gains=of_blocks(passes.gains), step_s=kernel.system.step_s or STEP_S,
+        gains=of_blocks(passes.gains), step_s=kernel.system.step_s or MAX_FILTER_STEP_S,
     )  # fmt: skip
     return observed

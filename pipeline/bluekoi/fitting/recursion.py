@@ -11,11 +11,11 @@ import numpy as np
 from ..vector_width import njit
 
 HALF_LOG_2PI = 0.9189385332046727
-FAST = {"reassoc", "contract", "nsz", "arcp"}
-compiled = njit(cache=True, error_model="numpy", nogil=True, fastmath=FAST)
+FASTMATH_FLAGS = {"reassoc", "contract", "nsz", "arcp"}
+njit_nogil_fast = njit(cache=True, error_model="numpy", nogil=True, fastmath=FASTMATH_FLAGS)
 
 
-@compiled
+@njit_nogil_fast
 def log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     counts, times, F, H, correction, level, residual, noise, cov, tau, variance, memory, scales,
     first, last, out,
@@ -40,7 +40,7 @@ def log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
         out[t] = logl
 
 
-@compiled
+@njit_nogil_fast
 def initialise(d, P, cov, tau, variance) -> None:  # type: ignore[no-untyped-def]
     """No deviation, and the covariance before the first frame."""
     for i in range(len(P)):
@@ -50,30 +50,30 @@ def initialise(d, P, cov, tau, variance) -> None:  # type: ignore[no-untyped-def
         P[i, i] = variance[i] if tau[i] > 0.0 else P[i, i]
 
 
-@compiled
+@njit_nogil_fast
 def predict(  # type: ignore[no-untyped-def]  # noqa: PLR0917
     d, P, A, AP, F, correction, level, tau, variance, memory, dt
 ) -> None:
     """D = A (d - correction) + (A - F) level and P = A P A' + Q, to the next frame."""
     transition(A, F, tau, memory, dt)
-    _carry(d, A, F, correction, level)
-    _spread(P, A, AP, variance, memory, dt)
+    _propagate_deviation(d, A, F, correction, level)
+    _propagate_covariance(P, A, AP, variance, memory, dt)
 
 
-@compiled
+@njit_nogil_fast
 def update(  # type: ignore[no-untyped-def]  # noqa: PLR0917
     d, P, PH, S, W, e, H, residual, noise, scales
 ) -> float:
     """Deviation and covariance after a frame; its log likelihood. Into e and W the innovation and
     the inverse root of its covariance.
     """
-    _compare(e, PH, S, H, residual, d[0], P)
-    _with_noise(S, noise, scales, residual)
-    _inverse_root(S, W)
-    return _correct(d[0], P, PH, W, e, residual)
+    _write_innovation(e, PH, S, H, residual, d[0], P)
+    _add_observation_noise(S, noise, scales, residual)
+    _invert_cholesky_factor(S, W)
+    return _correct_deviation(d[0], P, PH, W, e, residual)
 
 
-@compiled
+@njit_nogil_fast
 def transition(A, F, tau, memory, dt) -> None:  # type: ignore[no-untyped-def]
     """A = F with other memories: a column goes with tau (1 - exp(-dt / tau))."""
     for k in range(len(tau)):
@@ -87,8 +87,8 @@ def transition(A, F, tau, memory, dt) -> None:  # type: ignore[no-untyped-def]
             A[k, k] = now
 
 
-@compiled
-def _carry(d, A, F, correction, level) -> None:  # type: ignore[no-untyped-def]
+@njit_nogil_fast
+def _propagate_deviation(d, A, F, correction, level) -> None:  # type: ignore[no-untyped-def]
     """Deviation from the predicted path, from that of the frame before."""
     for i in range(len(A)):
         total = 0.0
@@ -99,8 +99,8 @@ def _carry(d, A, F, correction, level) -> None:  # type: ignore[no-untyped-def]
         d[0, i] = d[1, i]
 
 
-@compiled
-def _spread(P, A, AP, variance, memory, dt) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+@njit_nogil_fast
+def _propagate_covariance(P, A, AP, variance, memory, dt) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """P = A P A' + Q with Q = sigma^2 (1 - exp(-2 dt / tau)) of the random states."""
     a = len(A)
     for i in range(a):
@@ -119,8 +119,8 @@ def _spread(P, A, AP, variance, memory, dt) -> None:  # type: ignore[no-untyped-
             P[i, i] += variance[i] * (1.0 - np.exp(-2.0 * dt / memory[i]))
 
 
-@compiled
-def _compare(e, PH, S, H, residual, d, P) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+@njit_nogil_fast
+def _write_innovation(e, PH, S, H, residual, d, P) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Innovation e = y - h - H d, and S = H P H' with P H'."""
     for o in range(len(e)):
         e[o] = residual[o] if np.isfinite(residual[o]) else 0.0
@@ -138,8 +138,8 @@ def _compare(e, PH, S, H, residual, d, P) -> None:  # type: ignore[no-untyped-de
             S[o, p] = S[p, o] = total
 
 
-@compiled
-def _with_noise(S, noise, scales, residual) -> None:  # type: ignore[no-untyped-def]
+@njit_nogil_fast
+def _add_observation_noise(S, noise, scales, residual) -> None:  # type: ignore[no-untyped-def]
     """S + R where both are seen; unit rows where one is missing."""
     for o in range(len(S)):
         for p in range(len(S)):
@@ -149,8 +149,8 @@ def _with_noise(S, noise, scales, residual) -> None:  # type: ignore[no-untyped-
                 S[o, p] = 1.0 if o == p else 0.0
 
 
-@compiled
-def _inverse_root(S, W) -> None:  # type: ignore[no-untyped-def]
+@njit_nogil_fast
+def _invert_cholesky_factor(S, W) -> None:  # type: ignore[no-untyped-def]
     """Cholesky's factor L of S over S, its inverse into W."""
     for o in range(len(S)):
         for p in range(o + 1):
@@ -165,8 +165,8 @@ def _inverse_root(S, W) -> None:  # type: ignore[no-untyped-def]
             W[o, p] = total / S[o, o]
 
 
-@compiled
-def _correct(d, P, PH, W, e, residual) -> float:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+@njit_nogil_fast
+def _correct_deviation(d, P, PH, W, e, residual) -> float:  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Deviation and covariance after the frame, one whitened observation after the other."""
     logl = 0.0
     b = np.zeros(len(d))

@@ -19,12 +19,12 @@ from .sandwich import ClusterCovariance
 
 MAX_DF = 1e6
 """Degrees of freedom that make Student's t the normal law."""
-MIN_REMAINING = 0.05
+MIN_INFORMATION_SHARE_LEFT = 0.05
 """Smallest share of the information on a direction that remains without one trial. A trial with
 leverage h has a score of variance h (1 - h) and so adds h / (1 - h) to the jackknife's: infinite
 where no other trial informs on it, however well the model fits.
 """
-RIDGE = 1e-3
+RIDGE_SHARE = 1e-3
 """Share of each number's own information that is added to the whole: where numbers hardly differ in
 what they do, leaving out a trial would throw them far along a line of which nothing is known.
 """
@@ -36,9 +36,9 @@ def cov_jackknife(normal: Normal, estimated: np.ndarray | None = None) -> Float:
     estimated (p,): which numbers are off their bounds; the others get zero variance.
     """
     move = np.ones(normal.gradient.shape[1], dtype=bool) if estimated is None else estimated
-    influence = _influence(normal, move, 1.0)
+    influence = _trial_influence(normal, move, 1.0)
     n = max(len(influence), 2)
-    return _cov(normal, move, (n - 1) / n * influence.T @ influence)
+    return _cov_at_least_quarter_naive(normal, move, (n - 1) / n * influence.T @ influence)
 
 
 def cov_hc2(normal: Normal, estimated: np.ndarray) -> Float:
@@ -50,11 +50,11 @@ def cov_hc2(normal: Normal, estimated: np.ndarray) -> Float:
     jackknife has (1 - S_t)^-1: in a null of seven trials, one of which holds most information, its
     standard errors of the six numbers are 4.5 times too large, these 1.8 times.
     """
-    influence = _influence(normal, estimated, 0.5)
-    return _cov(normal, estimated, influence.T @ influence)
+    influence = _trial_influence(normal, estimated, 0.5)
+    return _cov_at_least_quarter_naive(normal, estimated, influence.T @ influence)
 
 
-def _cov(normal: Normal, move: np.ndarray, scattered: Float) -> Float:
+def _cov_at_least_quarter_naive(normal: Normal, move: np.ndarray, scattered: Float) -> Float:
     """Never less than a quarter of the naive variance: few trials may agree by chance."""
     naive = inverse_fisher(normal, move)
     if len(normal.gradient) < 2 or not move.any():
@@ -64,7 +64,7 @@ def _cov(normal: Normal, move: np.ndarray, scattered: Float) -> Float:
     return cov
 
 
-def _influence(normal: Normal, move: np.ndarray, power: float) -> Float:
+def _trial_influence(normal: Normal, move: np.ndarray, power: float) -> Float:
     """Influence of each informative trial on the estimated numbers, (trials, estimated):
     R (1 - S_t)^-power R' g_t; with power 1 that of leaving it out.
     """
@@ -74,7 +74,9 @@ def _influence(normal: Normal, move: np.ndarray, power: float) -> Float:
     informed = np.einsum("tpp->tp", H).any(axis=1)
     total, own = H.sum(axis=0)[np.ix_(move, move)], H[informed][:, move][:, :, move]
     # the sum of gradients is zero at the fit, so the rest's gradient is -g_t
-    return -np.einsum("tpq,tq->tp", _inverse_of_rest(total, own, power), g[informed][:, move])
+    return -np.einsum(
+        "tpq,tq->tp", _inverse_without_each_trial(total, own, power), g[informed][:, move]
+    )
 
 
 def inverse_fisher(normal: Normal, move: np.ndarray) -> Float:
@@ -85,18 +87,18 @@ def inverse_fisher(normal: Normal, move: np.ndarray) -> Float:
     return out
 
 
-def _inverse_of_rest(total: Float, own: Float, power: float) -> Float:
+def _inverse_without_each_trial(total: Float, own: Float, power: float) -> Float:
     """R (1 - S_t)^-power R' (t, p, p): inverses (power 1) of what is left of a Fisher matrix (p, p)
-    without each trial's own, but `MIN_REMAINING` of every direction.
+    without each trial's own, but `MIN_INFORMATION_SHARE_LEFT` of every direction.
     """
     known = np.diag(total)
     size = np.sqrt(np.where(known > 0, known, 1.0))
-    whole = total / np.outer(size, size) + RIDGE * np.eye(len(total))
+    whole = total / np.outer(size, size) + RIDGE_SHARE * np.eye(len(total))
     root = np.linalg.inv(np.linalg.cholesky(whole)) / size
     left = np.eye(len(total)) - root @ own @ root.T
     values, vectors = np.linalg.eigh(0.5 * (left + np.swapaxes(left, 1, 2)))
     back = root.T @ vectors
-    share = np.maximum(values, MIN_REMAINING)[:, None, :] ** power
+    share = np.maximum(values, MIN_INFORMATION_SHARE_LEFT)[:, None, :] ** power
     return (back / share) @ np.swapaxes(back, 1, 2)
 
 

@@ -30,11 +30,11 @@ from ..data import Float
 from .joint_fit import pseudo_inverse
 from .normal import Normal
 
-MIN_REMAINING = 0.02
+MIN_INFORMATION_SHARE_LEFT = 0.02
 """A direction of which one trial holds more than 98 % cannot be judged from the others."""
-MAX_UNSHARED = 0.1
+MAX_SINGLE_TRIAL_SHARE = 0.1
 """Largest share of a number's naive variance that may lie in such directions."""
-MIN_SHARE = 0.25
+MIN_NAIVE_VARIANCE_SHARE = 0.25
 """Trials may agree by chance: in no direction less than this share of the naive variance."""
 
 
@@ -52,10 +52,10 @@ class ClusterInfluence:
 
     def df(self, direction: Float) -> float:
         """Degrees of freedom of the variance of the sum of numbers with weights `direction` (p,);
-        0 where single trials alone hold more than `MAX_UNSHARED` of it.
+        0 where single trials alone hold more than `MAX_SINGLE_TRIAL_SHARE` of it.
         """
         c = direction[self.move] @ self.root
-        if not np.any(c) or _unshared(self.leverage, c) > MAX_UNSHARED:
+        if not np.any(c) or _single_trial_share(self.leverage, c) > MAX_SINGLE_TRIAL_SHARE:
             return 0.0
         return _satterthwaite_df(self.leverage, self.expected, self.adjustment, c)
 
@@ -131,7 +131,7 @@ def cluster_covariance(
     estimated: np.ndarray | None = None,
     trial_effect: TrialRandomEffect | None = None,
     *,
-    min_share: float = MIN_SHARE,
+    min_share: float = MIN_NAIVE_VARIANCE_SHARE,
 ) -> ClusterCovariance:
     """`ClusterCovariance` of a joint fit from the normal equations of its trials.
 
@@ -150,14 +150,16 @@ def cluster_covariance(
     if count < 2:
         cov[np.ix_(move, move)] = pseudo_inverse(total)
         return ClusterCovariance(cov, df)
-    root = _inverse_root(total)
+    root = _inverse_square_root(total)
     leverage = root.T @ H @ root
     expected = leverage + (
         _trial_effect_scores_cov(H, root, trial_effect, move) if trial_effect else 0.0
     )
     adjustment = _cr2_adjustment(leverage, expected)
     scores = np.einsum("tpq,tq->tp", adjustment, normal.gradient[:, move] @ root)
-    cov[np.ix_(move, move)] = root @ _floored(scores.T @ scores, min_share) @ root.T
+    cov[np.ix_(move, move)] = (
+        root @ _with_floored_eigenvalues(scores.T @ scores, min_share) @ root.T
+    )
     influence = ClusterInfluence(move, root, leverage, expected, adjustment)
     df[move] = [influence.df(unit) for unit in np.eye(p)[move]]
     return ClusterCovariance(cov, df, influence)
@@ -182,7 +184,7 @@ def newton_step_off_bounds(normal: Normal) -> tuple[Float, ClusterCovariance]:
     return change, cluster_covariance(Normal(normal.hessian, gradient, normal.log_likelihood))
 
 
-def _inverse_root(matrix: Float) -> Float:
+def _inverse_square_root(matrix: Float) -> Float:
     """R with R R' = matrix^-1, columns of directions that nothing informs small, not infinite."""
     size = np.sqrt(np.where(np.diag(matrix) > 0, np.diag(matrix), 1.0))
     values, vectors = np.linalg.eigh(matrix / np.outer(size, size))
@@ -198,18 +200,18 @@ def _cr2_adjustment(leverage: Float, expected: Float) -> Float:
     onto = np.where(seen, 1 / size, 0.0)[:, None, :] * axes
     remaining = expected - leverage @ expected - expected @ leverage + leverage @ every @ leverage
     left, turned = np.linalg.eigh(onto.mT @ remaining @ onto)
-    inverse = turned / np.sqrt(np.maximum(left, MIN_REMAINING))[:, None, :] @ turned.mT
+    inverse = turned / np.sqrt(np.maximum(left, MIN_INFORMATION_SHARE_LEFT))[:, None, :] @ turned.mT
     return np.where(seen, size, 0.0)[:, None, :] * axes @ inverse @ onto.mT
 
 
-def _unshared(leverage: Float, direction: Float) -> float:
+def _single_trial_share(leverage: Float, direction: Float) -> float:
     """Share of the naive variance of a direction (m,) in directions that one trial alone holds."""
     values, vectors = np.linalg.eigh(leverage)
-    held = (direction @ vectors)[values > 1.0 - MIN_REMAINING]
+    held = (direction @ vectors)[values > 1.0 - MIN_INFORMATION_SHARE_LEFT]
     return float(held @ held / (direction @ direction))
 
 
-def _floored(matrix: Float, min_value: float) -> Float:
+def _with_floored_eigenvalues(matrix: Float, min_value: float) -> Float:
     values, vectors = np.linalg.eigh(matrix)
     return (vectors * np.maximum(values, min_value)) @ vectors.T
 

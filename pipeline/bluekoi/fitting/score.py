@@ -17,11 +17,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from .recursion import compiled, initialise, predict, transition, update
+from .recursion import initialise, njit_nogil_fast, predict, transition, update
 
 
-@compiled
-def gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
+@njit_nogil_fast
+def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     counts, times, F, H, correction, level, residual, noise, cov, tau, variance, memory, scales,
     first, last, out, by_variance, by_memory, by_scales,
 ):  # fmt: skip
@@ -44,40 +44,42 @@ def gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
                 dt = times[t, k] - times[t, k - 1]
                 predict(d, P, A, AP, F[t, k], correction[t, k - 1], level[t, k - 1], tau, variance,
                         memory, dt)  # fmt: skip
-            _copy(P, predicted[k])
+            _copy_into(P, predicted[k])
             out[t] += update(d, P, PH, S, roots[k], errors[k], H[t, k], residual[t, k],
                              noise[t, k], scales)  # fmt: skip
-            _copy(P, filtered[k])
+            _copy_into(P, filtered[k])
             for i in range(a):
                 after[k, i] = d[0, i]
-        _clear(u, U, by_variance[t], by_memory[t], by_scales[t])
+        _set_to_zero(u, U, by_variance[t], by_memory[t], by_scales[t])
         for k in range(counts[t] - 1, -1, -1):
-            _before_frame(u[0], U, H[t, k], predicted[k], roots[k], errors[k], residual[t, k],
-                          noise[t, k], by_scales[t], square, wide, tall, short)  # fmt: skip
+            _adjoints_before_update(
+                u[0], U, H[t, k], predicted[k], roots[k], errors[k], residual[t, k], noise[t, k],
+                by_scales[t], square, wide, tall, short,
+            )  # fmt: skip
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
                 transition(A, F[t, k], tau, memory, dt)
-                _times_into(U, A, AP)
+                _multiply_into(U, A, AP)
                 for i in range(a):
                     d[0, i] = after[k - 1, i] - correction[t, k - 1, i] + level[t, k - 1, i]
-                _of_memories(u[0], U, AP, F[t, k], d[0], filtered[k - 1], tau, variance, memory,
-                             dt, by_variance[t], by_memory[t])  # fmt: skip
-                _turned_times_into(A, AP, U)
-                _turned(A, u)
+                _add_process_slopes(u[0], U, AP, F[t, k], d[0], filtered[k - 1], tau, variance,
+                                    memory, dt, by_variance[t], by_memory[t])  # fmt: skip
+                _transpose_multiply_into(A, AP, U)
+                _apply_transpose(A, u)
         for i in range(a):
             if tau[i] > 0.0:
                 by_variance[t, i] += U[i, i]
 
 
-@compiled
-def _copy(A, out) -> None:  # type: ignore[no-untyped-def]
+@njit_nogil_fast
+def _copy_into(A, out) -> None:  # type: ignore[no-untyped-def]
     for i in range(A.shape[0]):
         for k in range(A.shape[1]):
             out[i, k] = A[i, k]
 
 
-@compiled
-def _clear(u, U, by_variance, by_memory, by_scales) -> None:  # type: ignore[no-untyped-def]
+@njit_nogil_fast
+def _set_to_zero(u, U, by_variance, by_memory, by_scales) -> None:  # type: ignore[no-untyped-def]
     """All 0; u[1] is workspace."""
     for i in range(len(U)):
         u[0, i], by_variance[i], by_memory[i] = 0.0, 0.0, 0.0
@@ -88,8 +90,8 @@ def _clear(u, U, by_variance, by_memory, by_scales) -> None:  # type: ignore[no-
             by_scales[o, p] = 0.0
 
 
-@compiled
-def _times_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
+@njit_nogil_fast
+def _multiply_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
     """Out = A B; the inner loop runs along rows."""
     for i in range(A.shape[0]):
         for k in range(out.shape[1]):
@@ -99,8 +101,8 @@ def _times_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
                 out[i, k] += A[i, j] * B[j, k]
 
 
-@compiled
-def _turned_times_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
+@njit_nogil_fast
+def _transpose_multiply_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
     """Out = A' B."""
     for i in range(A.shape[1]):
         for k in range(out.shape[1]):
@@ -111,8 +113,8 @@ def _turned_times_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
                 out[i, k] += A[j, i] * B[j, k]
 
 
-@compiled
-def _turned(A, u) -> None:  # type: ignore[no-untyped-def]
+@njit_nogil_fast
+def _apply_transpose(A, u) -> None:  # type: ignore[no-untyped-def]
     """u[0] = A' u[0]; u[1] is workspace."""
     for k in range(len(A)):
         u[1, k] = 0.0
@@ -122,8 +124,8 @@ def _turned(A, u) -> None:  # type: ignore[no-untyped-def]
         u[0, k] = u[1, k]
 
 
-@compiled
-def _before_frame(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
+@njit_nogil_fast
+def _adjoints_before_update(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     u, U, H, P, W, e, residual, noise, by_scales, square, wide, tall, short
 ):
     """Slopes before a frame's correction, from those after it; what the frame says on its noise.
@@ -135,11 +137,11 @@ def _before_frame(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     HP, K, KU, BH = wide  # K turned
     M, UM = tall
     v, g, Vg = short
-    _precision(V, W, residual)
-    _times_into(H, P, HP)
-    _times_into(V, HP, K)
-    _times_into(K, U, KU)
-    _of_vectors(v, g, Vg, V, HP, e, u)
+    _innovation_precision(V, W, residual)
+    _multiply_into(H, P, HP)
+    _multiply_into(V, HP, K)
+    _multiply_into(K, U, KU)
+    _innovation_products(v, g, Vg, V, HP, e, u)
     for o in range(len(e)):
         for p in range(len(e)):
             B[o, p] = 0.5 * (v[o] * v[p] - V[o, p] - Vg[o] * v[p] - v[o] * Vg[p])
@@ -147,28 +149,28 @@ def _before_frame(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
             for i in range(len(u)):
                 total += KU[o, i] * K[p, i]
             by_scales[o, p] += total * noise[o, p]
-    _times_into(B, H, BH)
-    _turned_times_into(K, H, M)
+    _multiply_into(B, H, BH)
+    _transpose_multiply_into(K, H, M)
     for i in range(len(u)):
         for k in range(len(u)):
             M[i, k] = (1.0 if i == k else 0.0) - M[i, k]
-    _times_into(U, M, UM)
-    _turned_times_into(M, UM, U)
-    _seen(u, U, H, BH, v, Vg)
+    _multiply_into(U, M, UM)
+    _transpose_multiply_into(M, UM, U)
+    _add_observation_terms(u, U, H, BH, v, Vg)
 
 
-@compiled
-def _precision(V, W, residual) -> None:  # type: ignore[no-untyped-def]
+@njit_nogil_fast
+def _innovation_precision(V, W, residual) -> None:  # type: ignore[no-untyped-def]
     """V = W' W of what is seen, else 0."""
-    _turned_times_into(W, W, V)
+    _transpose_multiply_into(W, W, V)
     for o in range(len(V)):
         for p in range(len(V)):
             if not (np.isfinite(residual[o]) and np.isfinite(residual[p])):
                 V[o, p] = 0.0
 
 
-@compiled
-def _of_vectors(v, g, Vg, V, HP, e, u) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+@njit_nogil_fast
+def _innovation_products(v, g, Vg, V, HP, e, u) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """V = V e, g = H P u, and V g."""
     for o in range(len(e)):
         v[o], g[o] = 0.0, 0.0
@@ -182,8 +184,8 @@ def _of_vectors(v, g, Vg, V, HP, e, u) -> None:  # type: ignore[no-untyped-def] 
             Vg[o] += V[o, p] * g[p]
 
 
-@compiled
-def _seen(u, U, H, BH, v, Vg) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+@njit_nogil_fast
+def _add_observation_terms(u, U, H, BH, v, Vg) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Add H' B H + (u v' H + H' v u') / 2 to U, then H' (v - V g) to u."""
     for o in range(len(v)):
         for i in range(len(u)):
@@ -195,8 +197,8 @@ def _seen(u, U, H, BH, v, Vg) -> None:  # type: ignore[no-untyped-def]  # noqa: 
             u[i] += H[o, i] * (v[o] - Vg[o])
 
 
-@compiled
-def _of_memories(  # type: ignore[no-untyped-def]  # noqa: PLR0917
+@njit_nogil_fast
+def _add_process_slopes(  # type: ignore[no-untyped-def]  # noqa: PLR0917
     u, U, UA, F, d, P, tau, variance, memory, dt, by_variance, by_memory
 ):
     """What a step says on the variances and memories of its random states.

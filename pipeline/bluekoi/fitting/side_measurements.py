@@ -17,7 +17,7 @@ from .series import Free, Series, SharedMeasurement
 
 NO_INFORMATION = (0.0, np.inf)
 """A side measurement without information."""
-STEP = 1e-4
+DIFFERENCE_SHARE_OF_RANGE = 1e-4
 """Difference by which slopes of predictions are taken, as a share of a parameter's range."""
 
 
@@ -33,7 +33,7 @@ def side_measurement_terms(
     own = np.array([[f.group in (None, s.group) for f in free] for s in series]).reshape(n, p)
     for name in sorted({name for s in series for name in s.evidence}):
         value, std = np.array([s.evidence.get(name, NO_INFORMATION) for s in series]).T
-        found, slopes = predicted(kernel.system, name, np.array(points))
+        found, slopes = predict_side_measurement(kernel.system, name, np.array(points))
         error = (value - found) / std
         rows = slopes[:, slots] * own / std[:, None]
         hessian += rows[:, :, None] * rows[:, None, :]
@@ -63,36 +63,36 @@ def _shared_terms(
         columns = np.flatnonzero(slots == place)
         if len(columns):
             row = system.parameters[place]
-            step = STEP * (row.upper - row.lower) * np.eye(len(values))[k]
+            step = DIFFERENCE_SHARE_OF_RANGE * (row.upper - row.lower) * np.eye(len(values))[k]
             slope = shared.errors(values + step) - shared.errors(values - step)
             J[:, columns] = (slope / (2 * step[k]))[:, None]
     return J.T @ J, -J.T @ error, -0.5 * float(error @ error)
 
 
-def predicted(system: System, name: str, points: Float) -> tuple[Float, Float]:
+def predict_side_measurement(system: System, name: str, points: Float) -> tuple[Float, Float]:
     """Prediction of a side measurement (t,) at parameters (t, parameters), and its slopes."""
-    weights = _weights(system, name)
+    weights = _linear_weights(system, name)
     value, slopes = points @ weights, np.tile(weights, (len(points), 1))
     for effect in system.effects:
         function = effect.evidence.get(name)
         if callable(function):
             slots = [system.slot[f"{effect.name}.{p}"] for p in effect.informs[name]]
             at = points[:, slots]
-            value += _values(function, at)
+            value += _evaluate_rows(function, at)
             for k, slot in enumerate(slots):
                 row = system.parameters[slot]
-                step = STEP * (row.upper - row.lower) * np.eye(len(slots))[k]
-                change = _values(function, at + step) - _values(function, at - step)
+                step = DIFFERENCE_SHARE_OF_RANGE * (row.upper - row.lower) * np.eye(len(slots))[k]
+                change = _evaluate_rows(function, at + step) - _evaluate_rows(function, at - step)
                 slopes[:, slot] += change / (2 * step[k])
     return value, slopes
 
 
-def _values(function: Function, rows: Float) -> Float:
+def _evaluate_rows(function: Function, rows: Float) -> Float:
     return np.array([function(*row) for row in rows])
 
 
 @lru_cache(maxsize=64)
-def _weights(system: System, name: str) -> Float:
+def _linear_weights(system: System, name: str) -> Float:
     """Linear part of a prediction as a sum over parameters (parameters,)."""
     weights = np.zeros(len(system.parameters))
     for effect in system.effects:

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import Filtered, Noise, Series, filter_all
-from ..fitting.filtering import STEP_S, with_noise
+from ..fitting.filtering import MAX_FILTER_STEP_S, with_noise
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
 
@@ -154,6 +154,6 @@ def _predictions_with_displacements(
              np.nan_to_num(one.seen), filtered.gains)]  # fmt: skip
     seen, _ = propagate(kernel, state, parameters, constants, times=tiled[0], inputs=tiled[1],
                         frames=np.full(count, n), seen=tiled[2], gains=tiled[3],
-                        step_s=STEP_S)  # fmt: skip
+                        step_s=MAX_FILTER_STEP_S)  # fmt: skip
     lanes = [seen[b, :, :, 1 : 1 + 2 * len(group)] for b, group in enumerate(groups)]
     return np.concatenate([seen[0, :, :, :1], *lanes], axis=2)

@@ -25,8 +25,8 @@ from ..fitting import (
     off_bounds,
     trial_values,
 )
-from ..fitting.block_average import RATE_HZ
-from ..fitting.sandwich import MIN_SHARE
+from ..fitting.block_average import DEFAULT_BLOCK_RATE_HZ
+from ..fitting.sandwich import MIN_NAIVE_VARIANCE_SHARE
 from ..integrate import Kernel, compiled
 from ..integrate.system import Parameter
 from ..model import COEFFICIENTS, plates
@@ -51,7 +51,7 @@ START_NOISE = Noise(
 0.3 mm and 0.17 degrees, forgotten within 0.2 s; white noise as stated."""
 
 
-def downsampled(series: Sequence[Series], rate_hz: float = RATE_HZ) -> list[Series]:
+def downsampled(series: Sequence[Series], rate_hz: float = DEFAULT_BLOCK_RATE_HZ) -> list[Series]:
     """The trials as fits take them: about ten observations a second, head angle once a trial."""
     return [block_averaged(s, rate_hz, constant=(HEAD_ANGLE_COLUMN,)) for s in series]
 
@@ -102,7 +102,8 @@ class FittedModel:
 
 def fit_all_trials(
     series: Sequence[Series], free: Sequence[Free] | None = None, *, base: Float | None = None,
-    noise: Noise | None = None, start: dict[str, float] | None = None, min_share: float = MIN_SHARE,
+    noise: Noise | None = None, start: dict[str, float] | None = None,
+    min_share: float = MIN_NAIVE_VARIANCE_SHARE,
 ) -> FittedModel:  # fmt: skip
     """Joint fit of the free numbers (default: the six coefficients); without `noise` that too.
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import Series, conditional_response, normal_equations, off_bounds
-from ..fitting.sandwich import MAX_UNSHARED
+from ..fitting.sandwich import MAX_SINGLE_TRIAL_SHARE
 from ..integrate import compiled
 from ..model import plates
 from .joint_fit import FittedModel
@@ -38,14 +38,14 @@ def with_step_covariance(
     """The later fit with the earlier one's covariance in its own, sensitivity = G.
 
     Degrees of freedom of a sum of two variances by Satterthwaite, v^2 / f = v1^2 / f1 + v2^2 / f2;
-    none where one of the two, and more than `MAX_UNSHARED` of the sum, cannot be judged.
+    none where one of the two, and more than `MAX_SINGLE_TRIAL_SHARE` of the sum, cannot be judged.
     """
     added = sensitivity @ earlier.cov @ sensitivity.T
     cov = later.cov + added
     before, after = np.diag(later.cov), np.diag(added)
     own = later.covariance.df
     other = np.array([earlier.covariance.df_of(row) if row.any() else 0.0 for row in sensitivity])
-    unsure = (own <= 0) | ((other <= 0) & (after > MAX_UNSHARED * np.diag(cov)))
+    unsure = (own <= 0) | ((other <= 0) & (after > MAX_SINGLE_TRIAL_SHARE * np.diag(cov)))
     parts = before**2 / np.maximum(own, 1.0) + after**2 / np.maximum(other, 1.0)
     df = np.diag(cov) ** 2 / np.where(parts > 0, parts, 1.0)
     return replace(later, cov=cov, df=np.where(unsure, 0.0, df), influence=None)

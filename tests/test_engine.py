@@ -28,7 +28,7 @@ from bluekoi.engine.evidence import laplace_evidence
 from bluekoi.engine.expansion import likely_strengths
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
 from bluekoi.engine.set_columns import Layout
-from bluekoi.engine.set_score import score
+from bluekoi.engine.set_score import score_set
 from bluekoi.engine.subset import designed_subset
 from bluekoi.fitting import Free, Noise, Series
 from bluekoi.fitting.normal import marginal_products
@@ -331,5 +331,7 @@ def test_evidence_is_taken_at_the_better_fit_of_a_set() -> None:
     whole = driven_mass_problem(driven_mass_trials(0.3, 0.0))
     good = search_sets(whole).sets[frozenset({"quadratic_drag"})]
     start = good.model.fit.by_label() | {"quadratic_drag.k": 0.15}
-    poor = score(whole, fit_set(whole, ("quadratic_drag",), good.model.noise, start, iterations=0))
+    poor = score_set(
+        whole, fit_set(whole, ("quadratic_drag",), good.model.noise, start, iterations=0)
+    )
     assert good.log_joint > poor.log_joint + 5.0

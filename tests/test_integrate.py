@@ -13,7 +13,7 @@ from bluekoi.integrate import LANES, System, compiled
 from bluekoi.integrate.batch import propagate, threaded_map
 from bluekoi.integrate.branchless import exponential, power
 from bluekoi.integrate.inlining import InlinedCode, inlined
-from bluekoi.integrate.writing import source
+from bluekoi.integrate.writing import kernel_source
 from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates
 from paper_robot import PAPER_SETUP
 from pendulum import PENDULUM
@@ -190,8 +190,8 @@ def test_accuracy_over_eight_seconds_of_a_schedule() -> None:
 
 @pytest.mark.parametrize("general", [False, True])
 def test_a_source_is_the_same_every_time_and_holds_what_does_not_move(general: bool) -> None:
-    text = source(PENDULUM, general=general)
-    assert text == source(PENDULUM, general=general)
+    text = kernel_source(PENDULUM, general=general)
+    assert text == kernel_source(PENDULUM, general=general)
     held = text.split("def hold")[1].split("def ")[0]
     assert "2.0 * row" in held
     assert "math.sin" not in held
@@ -211,7 +211,7 @@ def test_a_function_that_asks_for_what_nobody_gives_is_named() -> None:
         for s in PENDULUM.stages
     )
     with pytest.raises(TypeError, match="rates: no value 'missing'"):
-        source(replace(PENDULUM, stages=stages), general=False)
+        kernel_source(replace(PENDULUM, stages=stages), general=False)
 
 
 def function_with_branch(x: float) -> float:

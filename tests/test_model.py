@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bluekoi.integrate.dependence import arguments
+from bluekoi.integrate.dependence import stage_arguments
 from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates, simulate, steady_turn
 from bluekoi.model.plates import DYNAMICS
 from bluekoi.observation import constant_names
@@ -132,7 +132,7 @@ def test_longer_head_has_the_contract_s_arm() -> None:
 
 def test_no_equation_of_motion_depends_on_how_the_robot_is_seen() -> None:
     physics = [e for e in plates().effects if e.kind != "measurement"]
-    asked = {name for stage in DYNAMICS for name in arguments(stage, physics)}
+    asked = {name for stage in DYNAMICS for name in stage_arguments(stage, physics)}
     assert not asked & set(constant_names())
 
 

@@ -17,7 +17,7 @@ from bluekoi.campaign import load_campaign
 from bluekoi.engine import posterior, search_sets
 from bluekoi.engine.fitted_sets import FittedSets
 from bluekoi.engine.refit import fit_own_noise, fit_set
-from bluekoi.engine.set_score import score
+from bluekoi.engine.set_score import score_set
 from bluekoi.integrate import compiled
 from bluekoi.mismatch.find import SEARCH_RATE_HZ
 from bluekoi.mismatch.robot_problem import robot_problem
@@ -66,7 +66,7 @@ def round_gains(visited: FittedSets, start: Mapping[str, float]) -> tuple[float,
             problem, final.causes, problem.noise, {**start, **final.model.fit.by_label()}
         )
         if once.usable and np.isfinite(final.log_posterior):
-            one_round = score(problem, fit_own_noise(problem, once, most=1))
+            one_round = score_set(problem, fit_own_noise(problem, once, most=1))
             out.append(final.log_posterior - one_round.log_posterior)
     return tuple(gain for gain in out if np.isfinite(gain))
 

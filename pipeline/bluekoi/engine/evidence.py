@@ -27,7 +27,7 @@ from .expansion import Expansion
 from .problem import Problem
 from .set_columns import Layout
 
-RIDGE = 1e-10  # beside ones on the diagonal, for columns that are nearly the same
+DIAGONAL_RIDGE = 1e-10  # beside ones on the diagonal, for columns that are nearly the same
 LOG_PROBABILITY_OF_IMPOSSIBLE = -50.0
 """Log probability of a cause whose strength is held at 0. Finite, so that differences are
 defined, and so low that no such set is named."""
@@ -53,7 +53,7 @@ def laplace_evidence(H: Float, g: Float, lay: Layout) -> float:
     g = g - precision * off
     whole = H + np.diag(precision)
     scale = 1.0 / np.sqrt(np.maximum(np.diag(whole)[index], 1e-30))
-    A = whole[np.ix_(index, index)] * np.outer(scale, scale) + RIDGE * np.eye(len(index))
+    A = whole[np.ix_(index, index)] * np.outer(scale, scale) + DIAGONAL_RIDGE * np.eye(len(index))
     step = np.zeros(len(g))
     step[index] = scale * np.linalg.solve(A, scale * g[index])
     # the width of the Cauchy prior regularises the step; it does not pull a strength to 0

@@ -10,7 +10,7 @@ import numpy as np
 from .expansion import Expansion, expand_about
 from .problem import Problem
 from .refit import FittedSet, fit_own_noise, fit_set, likeliest_start
-from .set_score import ScoredSet, score, with_discrepancy
+from .set_score import ScoredSet, score_set, with_discrepancy
 
 MAX_LOG_ODDS_TO_REFIT = 20.0
 """Sets e^20 times less probable than the best after one round of noise and parameters are not
@@ -74,7 +74,7 @@ class FittedSets:
                            deviations=stds)  # fmt: skip
         if not model.usable:
             return before
-        found = score(self.problem, fit_own_noise(self.problem, model, most=1))
+        found = score_set(self.problem, fit_own_noise(self.problem, model, most=1))
         found = with_discrepancy(self.problem, found, most=1)
         if before is None or found.log_joint > before.log_joint:
             self.sets[key] = found
@@ -100,7 +100,7 @@ class FittedSets:
             model = fit_own_noise(self.problem, self.sets[key].model, two_starts=twice)
             found = self.sets[key]
             if model is not found.model:
-                found = score(self.problem, model)
+                found = score_set(self.problem, model)
             found = with_discrepancy(self.problem, found)
             if found is not self.sets[key]:
                 self.sets[key] = found

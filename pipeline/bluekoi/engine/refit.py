@@ -28,8 +28,8 @@ STEP_TOLERANCE_STDS = 0.1
 SMALL_FORCE_START = (2e-4, 0.5)
 """Second start of the noise estimate: small random forces (in each force's unit, as a share of
 those at the first start where smaller) with a correlation time of 0.5 s."""
-SMALL_FORCE_SHARE = 0.05
-MOST_NOISE_ROUNDS, NOISE_STEPS, LEAST_GAIN = 6, 6, 0.3
+SMALL_FORCE_SHARE_OF_PROBLEM_NOISE = 0.05
+MAX_NOISE_ROUNDS, NOISE_STEPS, MIN_ROUND_GAIN_LOG_LIK = 6, 6, 0.3
 """Rounds in which noise and numbers are fitted in turn, quasi-Newton steps of each, and the log
 likelihood below which another round is not worth its time."""
 
@@ -141,7 +141,7 @@ def fit_set(
         found = fit(problem.kernel, problem.series, point, frees, noise, start=start,
                     iterations=iterations, tolerance=STEP_TOLERANCE_STDS, predictor=predictor,
                     spreads=deviations)  # fmt: skip
-        moved = _moved_to_start(found, start)
+        moved = _squared_distance_to_start(found, start)
         start = found.by_label()
         predictor = filtered(found.values)
         if moved < 1.0:
@@ -186,7 +186,7 @@ def likeliest_start(problem: Problem, near: FittedSet, cause: str) -> dict[str, 
     return {label: max(starts, key=likelihood)}
 
 
-def _moved_to_start(found: Fit, start: Mapping[str, float]) -> float:
+def _squared_distance_to_start(found: Fit, start: Mapping[str, float]) -> float:
     change = found.values - np.array([start.get(f.label, np.inf) for f in found.free])
     if not np.isfinite(change).all() or not found.normal.usable:
         return np.inf
@@ -203,7 +203,7 @@ def without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
 
 
 def fit_own_noise(
-    problem: Problem, model: FittedSet, *, most: int = MOST_NOISE_ROUNDS, two_starts: bool = True
+    problem: Problem, model: FittedSet, *, most: int = MAX_NOISE_ROUNDS, two_starts: bool = True
 ) -> FittedSet:
     """A set under its own noise, estimated in turn with its numbers until neither improves.
 
@@ -227,7 +227,7 @@ def fit_own_noise(
         best = max(best, first, key=lambda m: m.log_joint)
     for _ in range(most - 1):
         again = _noise_and_fit_round(problem, best, best.noise, best.passes, near=True)
-        if again.log_joint - best.log_joint < LEAST_GAIN:
+        if again.log_joint - best.log_joint < MIN_ROUND_GAIN_LOG_LIK:
             break
         best = again
     return best
@@ -286,7 +286,7 @@ def small_force_noise(problem: Problem, noise: Noise) -> Noise:
     disturbance, tau = noise.disturbance.copy(), noise.tau.copy()
     for k, slot in enumerate(disturbance_slots(problem.kernel)[:count]):
         if slot in acting:
-            disturbance[k] = SMALL_FORCE_SHARE * problem.noise.disturbance[k]
+            disturbance[k] = SMALL_FORCE_SHARE_OF_PROBLEM_NOISE * problem.noise.disturbance[k]
             tau[k] = SMALL_FORCE_START[1]
     return replace(noise, disturbance=disturbance, tau=tau)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from .expansion import Expansion
 from .problem import Problem
-from .set_columns import plausible_sizes
+from .set_columns import plausible_strengths
 
 
 def plausible_residual_magnitudes(
@@ -26,7 +26,7 @@ def plausible_residual_magnitudes(
         )
         return float(np.sqrt(max(left, 1e-6 * H[column, column], 1e-30)))
 
-    named = [plausible_sizes(problem, c.name)[0] * root(expansion.strengths[c.name][0])
+    named = [plausible_strengths(problem, c.name)[0] * root(expansion.strengths[c.name][0])
              for c in problem.candidates
              if not c.is_residual and len(c.strengths) == 1]  # fmt: skip
     usual = float(np.median(named)) if named else 1.0

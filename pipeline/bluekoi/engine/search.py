@@ -30,7 +30,7 @@ from .refit import (
 )
 from .residual_magnitudes import plausible_residual_magnitudes
 from .set_columns import layout_of_set
-from .set_score import ScoredSet, score
+from .set_score import ScoredSet, score_set
 from .subset import designed_subset
 
 REFITS_PER_SET = 5
@@ -39,7 +39,7 @@ REPLACEMENTS_PER_SET = 2
 """How many causes are refitted in the place of one of a set."""
 SMALL_FORCE_REFITS_PER_SET = 2
 """How many are refitted that would be most probable if random forces were small."""
-LEAST_REFITS, UNLIKELY = 2, -6.0
+MIN_REFITS_PER_SET, MIN_LOG_ODDS_TO_REFIT = 2, -6.0
 """So many are refitted whatever the expansion says; further ones where it says posterior odds of
 more than e^-6."""
 MAX_LOG_ODDS_TO_PROPOSE = 25.0
@@ -106,7 +106,7 @@ def _verify_on_all_trials(problem: Problem, few: FittedSets) -> FittedSets:
     while (best := visited.best).model.key not in done:
         done.add(best.model.key)
         if len(best.causes) < problem.most_causes:
-            _fit_further_causes(visited, best, LEAST_REFITS)
+            _fit_further_causes(visited, best, MIN_REFITS_PER_SET)
         for cause in best.causes:
             visited.add(tuple(c for c in best.causes if c != cause), best.model)
         visited.converge()
@@ -134,7 +134,7 @@ def _search_on_trials(problem: Problem, start: dict[str, float]) -> FittedSets:
         raise np.linalg.LinAlgError("the model without causes runs away")
     problem = replace(problem, residual_sizes=plausible_residual_magnitudes(problem, expansion))
     visited = FittedSets(problem)
-    visited.sets[frozenset()] = score(problem, first)
+    visited.sets[frozenset()] = score_set(problem, first)
     visited.full[frozenset()] = expansion
     before = -np.inf
     while (best := visited.best).log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
@@ -180,7 +180,7 @@ def _keep_better_noise(visited: FittedSets, scored: ScoredSet, source: FittedSet
                    deviations=model.deviations)  # fmt: skip
     if again.log_joint <= model.log_joint:
         return
-    other = score(problem, fit_own_noise(problem, again, two_starts=False))
+    other = score_set(problem, fit_own_noise(problem, again, two_starts=False))
     if other.log_joint > scored.log_joint:
         visited.sets[scored.model.key] = other
         visited.full.pop(scored.model.key, None)
@@ -197,7 +197,9 @@ def _fit_further_causes(visited: FittedSets, scored: ScoredSet, count: int) -> N
     for name in several if not scored.causes else ():
         visited.add((*scored.causes, name), scored.model)
     for i, (gain, name) in enumerate(found[:count]):
-        if gain > found[0][0] - MAX_LOG_ODDS_TO_PROPOSE and (i < LEAST_REFITS or gain > UNLIKELY):
+        if gain > found[0][0] - MAX_LOG_ODDS_TO_PROPOSE and (
+            i < MIN_REFITS_PER_SET or gain > MIN_LOG_ODDS_TO_REFIT
+        ):
             visited.add(
                 (*scored.causes, name),
                 scored.model,

@@ -73,8 +73,8 @@ def layout_of_set(problem: Problem, expansion: Expansion, causes: Sequence[str])
         )
         blocks[cause] = np.arange(len(columns), len(columns) + len(strengths))
         columns += [*strengths, *forms]
-    columns += _discrepancy(problem, expansion, causes)
-    columns += _tolerances(problem, expansion, causes)
+    columns += _discrepancy_columns(problem, expansion, causes)
+    columns += _tolerance_columns(problem, expansion, causes)
     system = problem.kernel.system
     return Layout(
         columns=np.array([c.index for c in columns]),
@@ -86,7 +86,7 @@ def layout_of_set(problem: Problem, expansion: Expansion, causes: Sequence[str])
         signed={c: has_single_sign(system, problem.by_name[c]) for c in causes},
         at=np.array([c.at for c in columns]),
         held=np.array([_is_held(problem, expansion, c.index) for c in columns]),
-        sizes={c: plausible_sizes(problem, c)[: len(blocks[c])] for c in causes},
+        sizes={c: plausible_strengths(problem, c)[: len(blocks[c])] for c in causes},
     )
 
 
@@ -101,7 +101,7 @@ def _fitted_columns(
     model, system = expansion.model, problem.kernel.system
     place = {f.label: i for i, f in enumerate(model.fit.free)}
     own = [f for f in candidate.strengths if f.label in place]
-    sizes = plausible_sizes(problem, candidate.name)[: len(own)]
+    sizes = plausible_strengths(problem, candidate.name)[: len(own)]
     strengths = [_Column(place[f.label], size**-2.0, False, float(model.fit.values[place[f.label]]))
                  for f, size in zip(own, sizes, strict=True)]  # fmt: skip
     free = [f for f in candidate.forms if f.label in place]
@@ -118,7 +118,7 @@ def _further_columns(
     are as large as the strength.
     """
     columns = expansion.strengths[candidate.name]
-    sizes = plausible_sizes(problem, candidate.name)
+    sizes = plausible_strengths(problem, candidate.name)
     strengths = [_Column(i, float(size**-2.0), False)
                  for i, size in zip(columns, sizes, strict=True)]  # fmt: skip
     forms = expansion.forms[candidate.name]
@@ -137,11 +137,11 @@ def _expected_strength(problem: Problem, expansion: Expansion, candidate: Candid
     H = expansion.hessian.sum(axis=0)[np.ix_(columns, columns)]
     g = expansion.gradient.sum(axis=0)[columns]
     step = np.linalg.lstsq(H + 1e-9 * np.diag(np.diag(H)), g, rcond=1e-12)[0][-1]
-    size = float(plausible_sizes(problem, candidate.name)[0])
+    size = float(plausible_strengths(problem, candidate.name)[0])
     return float(np.clip(abs(step), size, 10.0 * size))
 
 
-def plausible_sizes(problem: Problem, cause: str) -> Float:
+def plausible_strengths(problem: Problem, cause: str) -> Float:
     """Plausible magnitudes (strengths,) of a cause; of residual terms as `Problem` states them."""
     system, candidate = problem.kernel.system, problem.by_name[cause]
     if cause in problem.residual_sizes:
@@ -149,7 +149,9 @@ def plausible_sizes(problem: Problem, cause: str) -> Float:
     return np.array([parameter_of(system, f).typical for f in candidate.strengths])
 
 
-def _discrepancy(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> list[_Column]:
+def _discrepancy_columns(
+    problem: Problem, expansion: Expansion, causes: Sequence[str]
+) -> list[_Column]:
     """Residual terms that may stem from the formula of one of the causes: their prior deviation
     makes their force `DISCREPANCY_SHARE` times that of the cause in the same channel.
     """
@@ -184,7 +186,9 @@ def _relative_size(expansion: Expansion, cause: Candidate, term: Free, column: i
     return float(np.sqrt(visible / max(information[column], MIN_INFORMATION)))
 
 
-def _tolerances(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> list[_Column]:
+def _tolerance_columns(
+    problem: Problem, expansion: Expansion, causes: Sequence[str]
+) -> list[_Column]:
     """Strengths that are 0 only within the tolerance of careful work, of causes not in the set."""
     return [
         _Column(column, problem.tolerances[free.name] ** -2.0, gaussian=True)

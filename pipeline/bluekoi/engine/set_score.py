@@ -10,7 +10,7 @@ from ..fitting import cov_hc2
 from .evidence import discrepancy_at_best, log_evidence, log_prior
 from .expansion import Expansion, expand_about
 from .problem import Problem
-from .refit import MOST_NOISE_ROUNDS, FittedSet, fit_own_noise, fit_set
+from .refit import MAX_NOISE_ROUNDS, FittedSet, fit_own_noise, fit_set
 from .set_columns import Layout, layout_of_set
 
 MAX_LOG_STD_CHANGE = 0.3
@@ -56,7 +56,7 @@ class ScoredSet:
 
 
 def with_discrepancy(
-    problem: Problem, scored: ScoredSet, *, most: int = MOST_NOISE_ROUNDS
+    problem: Problem, scored: ScoredSet, *, most: int = MAX_NOISE_ROUNDS
 ) -> ScoredSet:
     """A set fitted together with what its causes' formulas leave, where that fits better: such a
     remainder is not random. most: rounds of noise and numbers.
@@ -79,11 +79,11 @@ def with_discrepancy(
                    deviations=stds)  # fmt: skip
     if not again.usable:
         return scored
-    other = score(problem, fit_own_noise(problem, again, most=most, two_starts=False))
+    other = score_set(problem, fit_own_noise(problem, again, most=most, two_starts=False))
     return max(scored, other, key=lambda s: s.log_joint)
 
 
-def score(problem: Problem, model: FittedSet) -> ScoredSet:
+def score_set(problem: Problem, model: FittedSet) -> ScoredSet:
     """Log posterior of a fitted set, its causes' discrepancy integrated out."""
     causes = [problem.by_name[c] for c in model.causes]
     covered = [c for c in problem.candidates if any(problem.covers(own, c) for own in causes)

@@ -24,7 +24,7 @@ from ..engine import (
 )
 from ..engine.naming import MIN_NAMED_PROBABILITY, UNEXPLAINED, log_evidence_gain
 from ..engine.problem import no_progress
-from ..engine.set_score import score
+from ..engine.set_score import score_set
 from ..errors import Finding, InputError, did_you_mean
 from ..fitting import Series
 from .checks import checked_model
@@ -171,7 +171,7 @@ def _fit_compared_set(
     scored = visited.add(causes, visited.sets[frozenset()].model)
     if scored is None:
         return ComparedSet(causes, -np.inf, PREDICTION_ERRORS, (), {})
-    scored = score(problem, fit_own_noise(problem, scored.model))
+    scored = score_set(problem, fit_own_noise(problem, scored.model))
     final = fit_without_discrepancy(problem, scored.model)
     ((criterion, errors),) = errors_by_better_criterion(
         ready.model, problem, [final], test, horizon_s

@@ -93,18 +93,18 @@ def threaded_map(function: Callable[[Any], Any], items: Sequence[Any]) -> list[A
     The calling thread takes items as well. Within a call of `function` further calls run one after
     the other: the cores are taken.
     """
-    if thread_count() < 2 or len(items) < 2 or getattr(_within, "one", False):
+    if thread_count() < 2 or len(items) < 2 or getattr(_thread_state, "one", False):
         return [function(item) for item in items]
     todo = deque(enumerate(items))
     found: list[Any] = [None] * len(items)
 
     def take() -> None:
-        _within.one = True
+        _thread_state.one = True
         try:
             while (one := _take_next_index(todo)) is not None:
                 found[one[0]] = function(one[1])
         finally:
-            _within.one = False
+            _thread_state.one = False
             todo.clear()  # empty, unless a call has failed: then no other is begun
 
     others = min(thread_count(), len(items)) - 1
@@ -125,7 +125,7 @@ def _take_next_index(todo: deque[tuple[int, Any]]) -> tuple[int, Any] | None:
         return None
 
 
-_within = threading.local()
+_thread_state = threading.local()
 
 
 @lru_cache(maxsize=4)

@@ -17,7 +17,7 @@ def argument_names(function: Function) -> list[str]:
     return list(inspect.signature(function).parameters)
 
 
-def arguments(stage: Stage, effects: Iterable[Effect]) -> set[str]:
+def stage_arguments(stage: Stage, effects: Iterable[Effect]) -> set[str]:
     """What a stage and these effects on it ask for; effects' own parameters left out."""
     asked = set(argument_names(stage.function)) if stage.function else set()
     for effect in effects:
@@ -31,16 +31,16 @@ def required_stages(system: System, last: Stage, effects: Sequence[Effect]) -> l
     """Stages whose outputs the last one and these effects on it need, directly or through others,
     in order.
     """
-    asked = arguments(last, effects)
+    asked = stage_arguments(last, effects)
     found: list[Stage] = []
-    for stage in reversed(_inner(system)):
+    for stage in reversed(_intermediate_stages(system)):
         if asked & set(stage.outputs):
             found.insert(0, stage)
-            asked |= arguments(stage, system.effects)
+            asked |= stage_arguments(stage, system.effects)
     return found
 
 
-def _inner(system: System) -> list[Stage]:
+def _intermediate_stages(system: System) -> list[Stage]:
     return [s for s in system.stages if s.name not in ("rates", "observe")]
 
 
@@ -48,9 +48,9 @@ def constant_stages(system: System) -> list[Stage]:
     """Stages that follow from parameters, constants and inputs alone while no effect is on."""
     known = {*(p.name for p in system.coefficients), *system.constants, *system.inputs}
     found: list[Stage] = []
-    for stage in _inner(system):
+    for stage in _intermediate_stages(system):
         random = any(e.kind == RANDOM_EFFECT_KIND and stage.name in e.hooks for e in system.effects)
-        if not random and arguments(stage, ()) <= known:
+        if not random and stage_arguments(stage, ()) <= known:
             found.append(stage)
             known |= set(stage.outputs)
     return found

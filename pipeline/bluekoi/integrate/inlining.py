@@ -167,7 +167,7 @@ class _Writer(ast.NodeTransformer):
         for module, names in COMPILED_FUNCTIONS.items():
             for name in names:
                 if function is getattr(module, name):
-                    return [ast.Call(_known_name(module, name), arguments, [])]
+                    return [ast.Call(_compiled_function_name(module, name), arguments, [])]
         return _inline_or_call(
             function, [self.lines.hold(a, "given") for a in arguments], self.lines
         )
@@ -189,11 +189,11 @@ class _Writer(ast.NodeTransformer):
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
         """A known value, or a number of the function's module."""
-        return self.known[node.id] if node.id in self.known else _number(self._meant(node))
+        return self.known[node.id] if node.id in self.known else _number_constant(self._meant(node))
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
         """A number of another module, such as math.pi."""
-        return _number(self._meant(node))
+        return _number_constant(self._meant(node))
 
     def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.expr:
         """Minus nothing is nothing."""
@@ -219,20 +219,20 @@ class _Writer(ast.NodeTransformer):
 
     def visit_Constant(self, node: ast.Constant) -> ast.expr:
         """Numbers stay."""
-        return _number(node.value)
+        return _number_constant(node.value)
 
     def generic_visit(self, node: ast.AST) -> ast.AST:
         """Comparisons, choices and the like: the function has to be called."""
         raise NotInlinable(type(node).__name__)
 
 
-def _known_name(module: Any, name: str) -> ast.expr:
+def _compiled_function_name(module: Any, name: str) -> ast.expr:
     if module is builtins:
         return ast.Name(name)
     return ast.Attribute(ast.Name("np" if module is np else module.__name__), name)
 
 
-def _number(value: Any) -> ast.expr:
+def _number_constant(value: Any) -> ast.expr:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise NotInlinable
     return ast.Constant(value)

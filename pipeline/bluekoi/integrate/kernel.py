@@ -30,11 +30,11 @@ from . import branchless
 from .dependence import RANDOM_EFFECT_KIND
 from .rows import LANES
 from .system import Function, System
-from .writing import source
+from .writing import kernel_source
 
 __all__ = ["LANES", "Kernel", "compiled"]
 
-_LOADING = RLock()
+_LOADING_LOCK = RLock()
 """Held while a kernel is written and loaded, so that two threads do not compile the same; nor may
 two of them parse Python at once (3.11: "AST constructor recursion depth mismatch").
 """
@@ -84,15 +84,15 @@ def compiled(system: System) -> Kernel:
 
 @lru_cache(maxsize=64)
 def _load_compiled(system: System, general: bool) -> _Compiled:
-    with _LOADING:
+    with _LOADING_LOCK:
         return _write_and_load(system, general)
 
 
 def _write_and_load(system: System, general: bool) -> _Compiled:
     """A kernel written, where it was not yet, and loaded."""
-    text = source(system, general=general)
+    text = kernel_source(system, general=general)
     digest = hashlib.sha256(text.encode())
-    for name in sorted(_files(system)):
+    for name in sorted(_source_files(system)):
         digest.update(Path(name).read_bytes())
     kind = "general" if general else "fast"
     name = f"bluekoi_{system.name}_{kind}_{digest.hexdigest()[:16]}"
@@ -136,11 +136,11 @@ def load_source(name: str, path: Path) -> ModuleType:
     return module
 
 
-def _functions(system: System) -> list[Function]:
+def _all_functions(system: System) -> list[Function]:
     base = [stage.function for stage in system.stages if stage.function]
     own = [f for e in system.effects for f in (*e.hooks.values(), *([e.rates] if e.rates else []))]
     return base + own
 
 
-def _files(system: System) -> set[str]:
-    return {inspect.getfile(f) for f in _functions(system)} | {branchless.__file__}
+def _source_files(system: System) -> set[str]:
+    return {inspect.getfile(f) for f in _all_functions(system)} | {branchless.__file__}

@@ -79,12 +79,12 @@ class Loop:
         for effect in effects:
             if stage.name in effect.hooks:
                 added = self.results(effect.hooks[stage.name], count, effect.name)
-                values = [_sum(v, a) for v, a in zip(values, added, strict=True)]
+                values = [_sum_expression(v, a) for v, a in zip(values, added, strict=True)]
         for name, value in zip(results, values, strict=True):
             self.keep(name, value)
 
 
-def _sum(a: str, b: str) -> str:
+def _sum_expression(a: str, b: str) -> str:
     if "0.0" in (a, b):
         return b if a == "0.0" else a
     return f"{a} + ({b})"

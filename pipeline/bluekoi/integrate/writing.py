@@ -14,9 +14,9 @@ from pathlib import Path
 
 from .dependence import (
     RANDOM_EFFECT_KIND,
-    arguments,
     constant_stages,
     required_stages,
+    stage_arguments,
     state_dependent_stages,
     trivial_outputs,
 )
@@ -53,12 +53,12 @@ class _Plan:
         return loop.text("    " * depth)
 
 
-def source(system: System, *, general: bool) -> str:
+def kernel_source(system: System, *, general: bool) -> str:
     """Source text of a system's general kernel, or of its fast one."""
     plan = _Plan(system, Rows(system), system.effects if general else random_parts(system))
     parts = {
-        "hold": _hold(plan),
-        "observe": _observe(plan),
+        "hold": _constant_stages_source(plan),
+        "observe": _observe_source(plan),
         "moves": _general_kernel_source(plan) if general else _fast_kernel_source(plan),
         "zero_order_hold": _zero_order_hold(plan),
         "hold_again": ["    hold(m)"] if system.zero_order_hold else [],
@@ -66,7 +66,7 @@ def source(system: System, *, general: bool) -> str:
     rows = plan.rows
     return KERNEL_TEMPLATE.format(
         **{name: "\n".join(lines) for name, lines in parts.items()},
-        imports="\n".join(_imports(plan.called)),
+        imports="\n".join(_import_lines(plan.called)),
         n_states=len(system.all_states),
         n_inputs=len(system.inputs),
         n_observations=len(system.observations),
@@ -96,7 +96,7 @@ def _zero_order_hold(plan: _Plan) -> list[str]:
     return out
 
 
-def _imports(called: dict[str, Function]) -> list[str]:
+def _import_lines(called: dict[str, Function]) -> list[str]:
     """Import lines of the functions that could not be written out, compiled by the kernel."""
     lines = []
     for name, function in sorted(called.items()):
@@ -107,7 +107,7 @@ def _imports(called: dict[str, Function]) -> list[str]:
     return lines
 
 
-def _hold(plan: _Plan) -> list[str]:
+def _constant_stages_source(plan: _Plan) -> list[str]:
     return [line for s in constant_stages(plan.system) for line in _base_model_loop(plan, s)] or [
         "    pass"
     ]
@@ -115,7 +115,7 @@ def _hold(plan: _Plan) -> list[str]:
 
 def _fast_kernel_source(plan: _Plan) -> list[str]:
     """Steps without effects and with random parts, and which is taken."""
-    timed = [any("t" in arguments(s, effects) for s in state_dependent_stages(plan.system))
+    timed = [any("t" in stage_arguments(s, effects) for s in state_dependent_stages(plan.system))
              for effects in ((), plan.effects)]  # fmt: skip
     body, pushed = _fused_runge_kutta_stage(plan, ()), _fused_runge_kutta_stage(plan, plan.effects)
     all_states, own = len(plan.system.all_states), len(plan.system.states)
@@ -149,11 +149,11 @@ def _fused_runge_kutta_stage(plan: _Plan, effects: Sequence[Effect]) -> list[str
     for name in ("weight", "reach"):
         loop.keep(name, name if clock == "1.0" else f"{name} * {clock}")
     for state in states:
-        _advance(loop, rows, state, loop.value(f"d_{state}"))
+        _add_rate_to_sum(loop, rows, state, loop.value(f"d_{state}"))
     return plan.text(loop, 3)
 
 
-def _advance(loop: Loop, rows: Rows, state: str, rate: str) -> None:
+def _add_rate_to_sum(loop: Loop, rows: Rows, state: str, rate: str) -> None:
     """Add a rate to a state's sum, and set the state for the next part of the step."""
     start = loop.load(rows.of(f"start_{state}"))
     loop.store(rows.of(state), f"{start} + {loop.value('reach')} * {rate}")
@@ -162,15 +162,17 @@ def _advance(loop: Loop, rows: Rows, state: str, rate: str) -> None:
 
 def _general_kernel_source(plan: _Plan) -> list[str]:
     """Rates by stages, and a step by them."""
-    body = ["            rates(m, on)", *_shift(plan, plan.system.states)]
+    body = ["            rates(m, on)", *_runge_kutta_shift_source(plan, plan.system.states)]
     for effect in plan.effects:
         if effect.rates:
-            lines = _shift(plan, effect.states)
+            lines = _runge_kutta_shift_source(plan, effect.states)
             body += [f"            if {plan.on([effect])}:", *(f"    {line}" for line in lines)]
-    timed = [e for e in plan.effects if any("t" in arguments(s, (e,)) for s in plan.system.stages)]
+    timed = [
+        e for e in plan.effects if any("t" in stage_arguments(s, (e,)) for s in plan.system.stages)
+    ]
     return [
         FUNCTION_HEADER.format("", "rates(m, on)"),
-        *_rates(plan),
+        *_rates_source(plan),
         "\n",
         STEP_TEMPLATE.format(way="any", count=len(plan.system.all_states),
                     timed=plan.on(timed) or False, body="\n".join(body)),
@@ -179,17 +181,17 @@ def _general_kernel_source(plan: _Plan) -> list[str]:
     ]  # fmt: skip
 
 
-def _shift(plan: _Plan, states: Sequence[str]) -> list[str]:
+def _runge_kutta_shift_source(plan: _Plan, states: Sequence[str]) -> list[str]:
     loop = Loop(plan.rows)
     clock = f" * {loop.value('clock_rate')}" if "clock_rate" in plan.rows.named else ""
     for name in ("weight", "reach"):
         loop.keep(name, name + clock)
     for state in states:
-        _advance(loop, plan.rows, state, loop.load(plan.rows.of(f"d_{state}")))
+        _add_rate_to_sum(loop, plan.rows, state, loop.load(plan.rows.of(f"d_{state}")))
     return plan.text(loop, 3)
 
 
-def _rates(plan: _Plan) -> list[str]:
+def _rates_source(plan: _Plan) -> list[str]:
     """Every stage as loops of its own; held stages only where an effect may change them."""
     constant = constant_stages(plan.system)
     changed: dict[str, list[Effect]] = {}
@@ -198,7 +200,7 @@ def _rates(plan: _Plan) -> list[str]:
         if stage not in constant:
             lines += _stage_source(plan, stage)
             continue
-        asked = {e for name in arguments(stage, ()) for e in changed.get(name, ())}
+        asked = {e for name in stage_arguments(stage, ()) for e in changed.get(name, ())}
         own = [e for e in plan.effects if stage.name in e.hooks or e in asked]
         changed |= dict.fromkeys(stage.outputs, own)
         lines += _lines_where_active(plan, own, _stage_source(plan, stage))
@@ -211,7 +213,7 @@ def _rates(plan: _Plan) -> list[str]:
     return lines
 
 
-def _observe(plan: _Plan) -> list[str]:
+def _observe_source(plan: _Plan) -> list[str]:
     """What is seen; stages that only effects ask for where one of those is on."""
     observe = next(s for s in plan.system.stages if s.name == "observe")
     always = required_stages(plan.system, observe, ())

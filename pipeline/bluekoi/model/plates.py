@@ -68,11 +68,11 @@ def all_effects() -> tuple[Effect, ...]:
 
 def is_residual(label: str) -> bool:
     """Whether an effect, a term or a parameter belongs to the residual force."""
-    return label.split(".", maxsplit=1)[0] in _residual_effects()
+    return label.split(".", maxsplit=1)[0] in _residual_effect_names()
 
 
 @lru_cache(maxsize=1)
-def _residual_effects() -> frozenset[str]:
+def _residual_effect_names() -> frozenset[str]:
     return frozenset(effect.name for effect in all_effects() if effect.kind == residual.KIND)
 
 

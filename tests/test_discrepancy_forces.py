@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from bluekoi.engine import FittedSet, Problem, expand_about, fit_set
+from bluekoi.engine.evidence import evidence_with_shares, likeliest_shares, log_evidence
 from bluekoi.engine.forces import forces_in_set
-from bluekoi.engine.set_columns import DISCREPANCY_SHARE, layout_of_set
+from bluekoi.engine.set_columns import (
+    DISCREPANCY_SHARE,
+    DISCREPANCY_SHARES,
+    Layout,
+    layout_of_set,
+    with_shares,
+)
 from bluekoi.integrate import compiled
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.model import plates
@@ -60,6 +69,59 @@ def test_a_discrepancy_is_a_share_of_the_cause_in_the_same_channel(
     force = precisions[column] ** -0.5 * forces["residual.sway_v"][SWAY]
     assert force == pytest.approx(DISCREPANCY_SHARE * forces["coulomb_friction"][SWAY])
     assert force < 0.7 * DISCREPANCY_SHARE * forces["coulomb_friction"][SURGE]
+
+
+def test_the_evidence_is_the_mean_over_the_shares_that_a_formula_may_be_wrong_by(
+    friction_fit: tuple[Problem, FittedSet],
+) -> None:
+    problem, model = friction_fit
+    expansion = expand_about(problem, model)
+    lay = layout_of_set(problem, expansion, model.causes)
+    single = [evidence_with_shares(expansion, lay, {"coulomb_friction": share})
+              for share in DISCREPANCY_SHARES]  # fmt: skip
+    mean = np.log(np.mean(np.exp(np.array(single) - max(single)))) + max(single)
+    assert log_evidence(expansion, lay) == pytest.approx(mean)
+
+
+def test_an_exact_formula_is_not_charged_for_forces_that_it_does_not_leave(
+    friction_fit: tuple[Problem, FittedSet],
+) -> None:
+    """The trials have no friction: what is fitted needs no discrepancy, and at most log 3 is lost
+    against the evidence without one.
+    """
+    problem, model = friction_fit
+    expansion = expand_about(problem, model)
+    lay = layout_of_set(problem, expansion, model.causes)
+    none = evidence_with_shares(expansion, lay, {"coulomb_friction": 1e-6})
+    assert log_evidence(expansion, lay) > none - np.log(len(DISCREPANCY_SHARES)) - 0.5
+
+
+def test_a_large_remainder_makes_the_large_share_likeliest(
+    friction_fit: tuple[Problem, FittedSet],
+) -> None:
+    """A residual force of a fifth of the cause's own, far above its standard error."""
+    problem, model = friction_fit
+    expansion = expand_about(problem, model)
+    lay = layout_of_set(problem, expansion, model.causes)
+    position = int(np.argmax(lay.discrepancy["coulomb_friction"]))
+    column = lay.columns[position]
+    size = DISCREPANCY_SHARE * lay.discrepancy["coulomb_friction"][position]
+    hessian, gradient = expansion.hessian.copy(), expansion.gradient.copy()
+    hessian[0, column, column] += (30 / size) ** 2
+    gradient[0, column] += 30**2 / size
+    pushed = replace(expansion, hessian=hessian, gradient=gradient)
+    assert likeliest_shares(pushed, lay) == {"coulomb_friction": max(DISCREPANCY_SHARES)}
+
+
+def test_a_term_of_two_causes_may_be_as_strong_as_the_larger_share_of_them() -> None:
+    lay = Layout(
+        columns=np.arange(2), count=0, blocks={}, precision=np.ones(2),
+        gaussian=np.ones(2, dtype=bool), included=np.zeros(2, dtype=bool), signed={},
+        at=np.zeros(2), held=np.zeros(2, dtype=bool), sizes={},
+        discrepancy={"fin": np.array([1.0, 0.0]), "stall": np.array([4.0, 0.0])},
+    )  # fmt: skip
+    assert with_shares(lay, {"fin": 0.2, "stall": 0.02}).precision == pytest.approx([25.0, 1.0])
+    assert with_shares(lay, {"fin": 0.02, "stall": 0.2}).precision == pytest.approx([1.5625, 1.0])
 
 
 def test_the_discrepancy_is_fitted_with_the_numbers_of_a_set(

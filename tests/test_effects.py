@@ -172,6 +172,18 @@ def test_fin_whose_force_stands_across_the_flow_does_no_work_there() -> None:
     assert pytest.approx((lift * 0.4 * 0.25 / (0.4**2 + 0.25**2), -lift)) == (X, Y)
 
 
+def test_vortex_lift_of_a_fin_is_that_of_polhamus_at_small_angles() -> None:
+    """K_p sin a cos^2 a + K_v sin^2 a cos a (NASA TN D-3767, 1966), to second order in the angle of
+    attack a; q = K_v / K_p = 2.
+    """
+    V, a = 0.4, 0.05
+    motion = np.array([V * np.cos(a), V * np.sin(a), 0.0])
+    fin = plates().effect("tail_fin_lift")
+    Y = call_effect(fin, "force", motion, b=0.0, p=0.0, q=2.0, g=0.0)[1]
+    polhamus = np.sin(a) * np.cos(a) ** 2 + 2.0 * np.sin(a) ** 2 * np.cos(a)
+    assert pytest.approx(-0.5 * 1000 * 0.03 * V**2 * polhamus, rel=0.005) == Y
+
+
 def test_build_up_of_a_fin_has_a_slope_where_lift_follows_at_once() -> None:
     """Fits end at s = 0; without a slope there, nothing but the prior would act on s."""
     fin, motion = plates().effect("tail_fin_lift"), np.array([0.4, 0.1, 0.0])
@@ -194,11 +206,12 @@ def test_lift_of_a_fin_builds_up_over_its_head_lengths_of_travel() -> None:
 
 
 @pytest.mark.parametrize("p", [-0.8, 0.0, 4.0])
+@pytest.mark.parametrize("q", [0.0, 4.0])
 @pytest.mark.parametrize("g", [-1.0, 0.5, 2.0])
-def test_a_fin_of_any_form_never_adds_power(p: float, g: float) -> None:
+def test_a_fin_of_any_form_never_adds_power(p: float, q: float, g: float) -> None:
     rng = np.random.default_rng(6)
     for draw in rng.uniform(-1, 1, (200, 3)):
-        X, Y, N = call_effect(plates().effect("tail_fin_lift"), "force", draw, p=p, g=g)
+        X, Y, N = call_effect(plates().effect("tail_fin_lift"), "force", draw, p=p, q=q, g=g)
         assert X * draw[0] + Y * draw[1] + N * draw[2] <= 1e-9
 
 

@@ -284,7 +284,7 @@ def test_the_force_of_an_effect_includes_the_build_up_of_its_lift(complete_campa
     rho = complete_campaign.study.setup.water.density_kg_m3
     law = tail_fin_lift.force(
         rho, surge, yaw_rate, -fin["arm"] * yaw_rate, fin["lift_area"], fin["arm"],
-        fin["half_length"], fin["sideways_flow_share"], fin["axial_share"],
+        fin["half_length"], fin["sideways_flow_share"], fin["vortex_share"], fin["axial_share"],
     )  # fmt: skip
     assert abs(law[1]) > 1e-3
     assert force_of_effects(with_fin, one)[-1] == pytest.approx(

@@ -6,7 +6,8 @@ long fin, the sideways speed varies along the fin. The fin is therefore represen
 at a - b and a + b, with the same mean and spread. A station at x has the sideways speed w, the side
 force dY and the force along the body dX; Y and N are side force and yaw moment of the fin:
 
-    dY = -1/2 rho S/2 sqrt(u^2 + p w^2) w,  w = v - x r,  x = a -+ b,   Y = sum dY,  N = -sum x dY
+    dY = -1/2 rho S/2 (sqrt(u^2 + p w^2) + q |w|) w,  w = v - x r,  x = a -+ b
+    Y = sum dY,  N = -sum x dY
     dX = g dY w u / (u^2 + w^2)
 
 S is the lift slope times the area of the fin. The force vanishes in straight swimming, which it
@@ -20,6 +21,9 @@ w_a = v - a r at the middle of the fin is replaced by z, with
 A thin wing builds up half of its lift at once and the rest over a few chords. A wing of low aspect
 ratio is faster. The lag is at least 1/60 s, which the integrator can follow.
 
+q is the lift of the vortices that separate at the side edges of a wing of low aspect ratio, over
+the lift at small angles. For a slender wing it is 2 over the aspect ratio (Polhamus).
+
 p = 0 is the formula for a wing at small angles. p is larger if the sideways flow contributes to the
 dynamic pressure, or if there is cross-flow drag. p is smaller for a fin that stalls gradually.
 
@@ -28,7 +32,8 @@ with g = -1, the force is normal to the flow.
 
 Source: Newman, Marine Hydrodynamics (1977), sec. 5.15 (lifting bodies of small aspect ratio);
 Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low aspect ratio); R. T.
-Jones, NACA report 681 (1940) (growth of lift on wings of finite aspect ratio).
+Jones, NACA report 681 (1940) (growth of lift on wings of finite aspect ratio);
+Polhamus, NASA TN D-3767 (1966) (vortex lift).
 """
 
 from __future__ import annotations
@@ -57,6 +62,8 @@ PARAMETERS = (
               spread=0.02, symbol="b"),
     Parameter("sideways_flow_share", "1", 0.2, -0.8, 4.0,
               "share of the sideways flow in the dynamic pressure", spread=0.4, symbol="p"),
+    Parameter("vortex_share", "1", 0.0, 0.0, 4.0, "vortex lift over the lift at small angles",
+              spread=1.0, symbol="q"),
     Parameter("axial_share", "1", 0.0, -1.0, 2.0, "part of the force along the body",
               spread=0.4, symbol="g"),
     Parameter("build_up_lengths", "1", 0.2, 0.0, 4.0, "head lengths travelled as lift builds up",
@@ -67,14 +74,14 @@ STATES = ("z_fin",)
 
 def force(
     rho: float, uc: float, rc: float, z_fin: float, S: float, a: float, b: float, p: float,
-    g: float,
+    q: float, g: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge, sway (N) and yaw (N m) of the fin."""
     front, rear = a - b, a + b
     wf, wr = z_fin + b * rc, z_fin - b * rc
     k = -0.25 * rho * S
-    Yf = k * math.sqrt(max(uc * uc + p * wf * wf, 0.0) + 1e-12) * wf
-    Yr = k * math.sqrt(max(uc * uc + p * wr * wr, 0.0) + 1e-12) * wr
+    Yf = k * (math.sqrt(max(uc * uc + p * wf * wf, 0.0) + 1e-12) + q * abs(wf)) * wf
+    Yr = k * (math.sqrt(max(uc * uc + p * wr * wr, 0.0) + 1e-12) + q * abs(wr)) * wr
     Xf = Yf * wf / (uc * uc + wf * wf + 1e-12)
     Xr = Yr * wr / (uc * uc + wr * wr + 1e-12)
     return g * uc * (Xf + Xr), Yf + Yr, -front * Yf - rear * Yr

@@ -17,15 +17,16 @@ posterior's share on that side.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import product
 
 import numpy as np
-from scipy.special import gammaln, log_ndtr
+from scipy.special import gammaln, log_ndtr, logsumexp
 
 from ..data import Float
 from .expansion import Expansion
 from .problem import Problem
-from .set_columns import Layout
+from .set_columns import DISCREPANCY_SHARES, Layout, with_shares
 
 DIAGONAL_RIDGE = 1e-10  # beside ones on the diagonal, for columns that are nearly the same
 LOG_PROBABILITY_OF_IMPOSSIBLE = -50.0
@@ -34,10 +35,38 @@ defined, and so low that no such set is named."""
 
 
 def log_evidence(expansion: Expansion, lay: Layout) -> float:
-    """Log m(S) of a set."""
+    """Log m(S) of a set, averaged over the shares of the discrepancies of its causes."""
     H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
     g = expansion.gradient.sum(axis=0)[lay.columns]
-    return float(expansion.log_likelihood.sum()) + laplace_evidence(H, g, lay)
+    values = [laplace_evidence(H, g, other) for other in layouts_by_share(lay)]
+    return float(expansion.log_likelihood.sum() + logsumexp(values) - np.log(len(values)))
+
+
+def evidence_with_shares(expansion: Expansion, lay: Layout, shares: Mapping[str, float]) -> float:
+    """Log m(S) of a set with given shares of the discrepancies of its causes."""
+    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
+    g = expansion.gradient.sum(axis=0)[lay.columns]
+    found = laplace_evidence(H, g, with_shares(lay, shares))
+    return float(expansion.log_likelihood.sum()) + found
+
+
+def layouts_by_share(lay: Layout) -> list[Layout]:
+    """The columns of a set for every combination of `DISCREPANCY_SHARES` of its causes."""
+    return [with_shares(lay, shares) for shares in _combinations_of_shares(lay)]
+
+
+def likeliest_shares(expansion: Expansion, lay: Layout) -> dict[str, float]:
+    """Cause -> the share of its discrepancy with which the set is most probable."""
+    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
+    g = expansion.gradient.sum(axis=0)[lay.columns]
+    return max(_combinations_of_shares(lay),
+               key=lambda shares: laplace_evidence(H, g, with_shares(lay, shares)))  # fmt: skip
+
+
+def _combinations_of_shares(lay: Layout) -> list[dict[str, float]]:
+    causes = list(lay.discrepancy)
+    return [dict(zip(causes, shares, strict=True))
+            for shares in product(DISCREPANCY_SHARES, repeat=len(causes))]  # fmt: skip
 
 
 def laplace_evidence(H: Float, g: Float, lay: Layout) -> float:

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from .candidates import Candidate
-from .evidence import log_evidence, log_prior
+from .evidence import evidence_with_shares, likeliest_shares, log_prior
 from .expansion import Expansion, expand_about, likely_strengths
 from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FittedSets
 from .problem import MAX_SEARCH_TRIALS, Problem
@@ -60,13 +60,16 @@ def ranked_proposals(
     causes = expansion.model.causes
     if not expansion.usable:
         return []
-    before = log_evidence(expansion, layout_of_set(problem, expansion, causes))
+    own = layout_of_set(problem, expansion, causes)
+    shares = likeliest_shares(expansion, own)
+    before = evidence_with_shares(expansion, own, shares)
     out: list[tuple[float, str]] = []
     for candidate in among:
         if candidate.name in causes or not expansion.strengths[candidate.name]:
             continue
         lay = layout_of_set(problem, expansion, (*causes, candidate.name))
-        gain = log_evidence(expansion, lay) - before + log_prior(problem, [candidate.name])
+        after = evidence_with_shares(expansion, lay, shares)
+        gain = after - before + log_prior(problem, [candidate.name])
         out.append((float(gain) if np.isfinite(gain) else -np.inf, candidate.name))
     return sorted(out, key=lambda o: -o[0])
 

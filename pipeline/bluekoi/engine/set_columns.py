@@ -7,8 +7,8 @@ force (Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), 425).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -22,6 +22,10 @@ DISCREPANCY_SHARE = 0.2
 """Prior standard deviation of a cause's discrepancy relative to its force in each channel
 (assumed). `python -m validation discrepancy` measures how far its forms differ: 0.04 in the median
 of 17 causes."""
+DISCREPANCY_SHARES = (0.02, 0.06, 0.2)
+"""Equally probable values of the share of each cause, over which the evidence is averaged: the
+range that `python -m validation discrepancy` measures for the forms of the causes. The fits have
+the largest one, `DISCREPANCY_SHARE`."""
 MIN_INFORMATION = 1e-12
 """Below any information that trials have; keeps quotients of zeros finite."""
 
@@ -36,6 +40,8 @@ class Layout:
     whether the expansion's likelihood includes that prior. signed: cause -> whether its strength
     has one sign. at (p,): strengths and discrepancy at the expansion, 0 elsewhere. held (p,):
     columns at a bound that the gradient pushes against. sizes: cause -> plausible magnitudes.
+    discrepancy: cause -> prior deviations (p,) of its discrepancy where that is as strong as the
+    cause, 0 elsewhere.
     """
 
     columns: np.ndarray
@@ -48,6 +54,7 @@ class Layout:
     at: Float
     held: np.ndarray
     sizes: dict[str, Float]
+    discrepancy: dict[str, Float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -73,7 +80,8 @@ def layout_of_set(problem: Problem, expansion: Expansion, causes: Sequence[str])
         )
         blocks[cause] = np.arange(len(columns), len(columns) + len(strengths))
         columns += [*strengths, *forms]
-    columns += _discrepancy_columns(problem, expansion, causes)
+    relative = _relative_deviations(problem, expansion, causes)
+    columns += _discrepancy_columns(problem, expansion, relative)
     columns += _tolerance_columns(problem, expansion, causes)
     system = problem.kernel.system
     return Layout(
@@ -87,7 +95,25 @@ def layout_of_set(problem: Problem, expansion: Expansion, causes: Sequence[str])
         at=np.array([c.at for c in columns]),
         held=np.array([_is_held(problem, expansion, c.index) for c in columns]),
         sizes={c: plausible_strengths(problem, c)[: len(blocks[c])] for c in causes},
+        discrepancy={
+            c: np.array(
+                [own.get(k.index, 0.0) if k.gaussian and not k.included else 0.0 for k in columns]
+            )
+            for c, own in relative.items()
+            if own
+        },
     )
+
+
+def with_shares(lay: Layout, shares: Mapping[str, float]) -> Layout:
+    """The columns with other shares of the discrepancies of the causes."""
+    if not lay.discrepancy:
+        return lay
+    deviation = np.max([shares[c] * own for c, own in lay.discrepancy.items()], axis=0)
+    acting = deviation > 0
+    precision = lay.precision.copy()
+    precision[acting] = np.maximum(deviation[acting], MIN_INFORMATION) ** -2.0
+    return replace(lay, precision=precision)
 
 
 def _fitted_columns(
@@ -149,25 +175,44 @@ def plausible_strengths(problem: Problem, cause: str) -> Float:
     return np.array([parameter_of(system, f).typical for f in candidate.strengths])
 
 
-def _discrepancy_columns(
+def _relative_deviations(
     problem: Problem, expansion: Expansion, causes: Sequence[str]
+) -> dict[str, dict[int, float]]:
+    """Cause -> column of a residual term that may stem from its formula -> strength at which the
+    term is as strong as the cause.
+    """
+    found: dict[str, dict[int, float]] = {}
+    for cause in (
+        c for c in causes if c in expansion.model.causes and not problem.by_name[c].is_residual
+    ):
+        candidate = problem.by_name[cause]
+        found[cause] = {
+            column: max(_relative_size(expansion, candidate, free, column), MIN_INFORMATION)
+            for other in problem.candidates
+            if other.name not in causes and other.name in expansion.strengths
+            and problem.covers(candidate, other)
+            for free, column in zip(other.strengths, expansion.strengths[other.name], strict=True)
+        }  # fmt: skip
+    return found
+
+
+def _discrepancy_columns(
+    problem: Problem, expansion: Expansion, relative: Mapping[str, Mapping[int, float]]
 ) -> list[_Column]:
     """Residual terms that may stem from the formula of one of the causes: their prior deviation
     makes their force `DISCREPANCY_SHARE` times that of the cause in the same channel.
     """
-    model = expansion.model
-    found: dict[int, tuple[float, float]] = {}
-    for cause in (c for c in causes if c in model.causes and not problem.by_name[c].is_residual):
-        candidate = problem.by_name[cause]
-        for other in problem.candidates:
-            known = other.name not in causes and other.name in expansion.strengths
-            if not known or not problem.covers(candidate, other):
-                continue
-            for free, column in zip(other.strengths, expansion.strengths[other.name], strict=True):
-                deviation = DISCREPANCY_SHARE * _relative_size(expansion, candidate, free, column)
-                at = model.discrepancy.get(free.label, 0.0)
-                found[column] = max(found.get(column, (MIN_INFORMATION, at)), (deviation, at))
-    return [_Column(i, std**-2.0, gaussian=True, at=at) for i, (std, at) in found.items()]
+    largest: dict[int, float] = {}
+    for own in relative.values():
+        for column, size in own.items():
+            largest[column] = max(largest.get(column, 0.0), size)
+    fitted = {
+        column: expansion.model.discrepancy.get(free.label, 0.0)
+        for name, own in expansion.strengths.items()
+        for free, column in zip(problem.by_name[name].strengths, own, strict=True)
+    }
+    return [_Column(i, (DISCREPANCY_SHARE * size) ** -2.0, gaussian=True, at=fitted[i])
+            for i, size in largest.items()]  # fmt: skip
 
 
 def _relative_size(expansion: Expansion, cause: Candidate, term: Free, column: int) -> float:

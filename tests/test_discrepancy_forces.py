@@ -17,6 +17,7 @@ from bluekoi.engine.set_columns import (
     layout_of_set,
     with_shares,
 )
+from bluekoi.fitting import Fit, fit
 from bluekoi.integrate import compiled
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.model import plates
@@ -139,3 +140,23 @@ def test_the_discrepancy_is_fitted_with_the_numbers_of_a_set(
         slope = float(expansion.gradient[:, column].sum()) - both.discrepancy[label] / std**2
         bend = float(expansion.hessian[:, column, column].sum()) + std**-2
         assert abs(slope) < 0.2 * np.sqrt(bend)
+
+
+def test_a_fit_that_held_gains_lead_astray_lets_them_follow(
+    friction_fit: tuple[Problem, FittedSet], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, model = friction_fit
+    given = []
+
+    def astray(*args: object, **options: object) -> Fit:
+        given.append(options["predictor"])
+        found = fit(*args, **options)  # type: ignore[arg-type]
+        if options["predictor"] is None:
+            return found
+        return replace(found, normal=replace(found.normal, gradient=found.normal.gradient * np.nan))
+
+    monkeypatch.setattr("bluekoi.engine.refit.fit", astray)
+    again = fit_set(problem, model.causes, model.noise, model.fit.by_label())
+    assert None in given
+    assert again.usable
+    assert again.log_likelihood == pytest.approx(model.log_likelihood, abs=0.5)

@@ -130,25 +130,28 @@ def fit_set(
     point = start_values(problem, causes, known, left)
     start = {f.label: left.get(f.label, known.get(f.label, float(point[slot[f.name]])))
              for f in frees}  # fmt: skip
-    local = replace(problem, base=point)
 
     def filtered(values: Float) -> FilterResults:
-        return filter_all(problem.kernel, problem.series, local.points(frees, values), noise)
+        points = replace(problem, base=point).points(frees, values)
+        return filter_all(problem.kernel, problem.series, points, noise)
 
-    found = None
+    def fitted(gains: FilterResults | None) -> Fit:
+        return fit(problem.kernel, problem.series, point, frees, noise, start=start,
+                   iterations=iterations, tolerance=STEP_TOLERANCE_STDS, predictor=gains,
+                   spreads=deviations)  # fmt: skip
+
     predictor = at_start or filtered(np.array([start[f.label] for f in frees]))
     for _ in range(passes):
-        found = fit(problem.kernel, problem.series, point, frees, noise, start=start,
-                    iterations=iterations, tolerance=STEP_TOLERANCE_STDS, predictor=predictor,
-                    spreads=deviations)  # fmt: skip
-        moved = _squared_distance_to_start(found, start)
-        start = found.by_label()
+        found = fitted(predictor)
         predictor = filtered(found.values)
-        if moved < 1.0:
+        if not (found.normal.usable and np.isfinite(_total_log_likelihood(predictor))):
+            found = fitted(None)  # gains held at the start do not serve that far from it
+            predictor = filtered(found.values)
+        if _squared_distance_to_start(found, start) < 1.0:
             break
-    assert found is not None
+        start = found.by_label()
     values = found.values[: len(own)]
-    left |= {label: start[label] for label in deviations or {}}
+    left |= {label: found.by_label()[label] for label in deviations or {}}
     point = start_values(problem, causes, known, left)
     normal = normal_equations(problem.kernel, problem.series, point, own, values, noise=noise,
                               predictor=predictor)  # fmt: skip

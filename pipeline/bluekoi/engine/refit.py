@@ -135,17 +135,17 @@ def fit_set(
         points = replace(problem, base=point).points(frees, values)
         return filter_all(problem.kernel, problem.series, points, noise)
 
-    def fitted(gains: FilterResults | None) -> Fit:
-        return fit(problem.kernel, problem.series, point, frees, noise, start=start,
+    def fitted(gains: FilterResults | None, begin: Mapping[str, float]) -> Fit:
+        return fit(problem.kernel, problem.series, point, frees, noise, start=begin,
                    iterations=iterations, tolerance=STEP_TOLERANCE_STDS, predictor=gains,
                    spreads=deviations)  # fmt: skip
 
-    predictor = at_start or filtered(np.array([start[f.label] for f in frees]))
+    first, predictor = start, at_start or filtered(np.array([start[f.label] for f in frees]))
     for _ in range(passes):
-        found = fitted(predictor)
+        found = fitted(predictor, start)
         predictor = filtered(found.values)
         if not (found.normal.usable and np.isfinite(_total_log_likelihood(predictor))):
-            found = fitted(None)  # gains held at the start do not serve that far from it
+            found = fitted(None, first)  # held gains do not serve that far from the start
             predictor = filtered(found.values)
         if _squared_distance_to_start(found, start) < 1.0:
             break

@@ -21,7 +21,7 @@ from bluekoi.stages.tracks import trial_flapping
 from bluekoi.steady import steady_state
 from bluekoi.study import Study, load_study
 from bluekoi.synthetic.design import StudyDesign
-from bluekoi.tuning import FittedModel, trial_series
+from bluekoi.tuning import JointFit, trial_series
 from validation.tracking_noise import keypoint_study
 
 
@@ -56,7 +56,7 @@ def measure_design(design: StudyDesign, folder: Path) -> MeasuredStudy:
 
 
 def series_with_effect(
-    series: Sequence[Series], model: FittedModel, effect: str, numbers: dict[str, float]
+    series: Sequence[Series], model: JointFit, effect: str, numbers: dict[str, float]
 ) -> list[Series]:
     """The trials as they would have been had an effect been there: each path changed by what it
     changes in a simulation of `model` from the same start.

@@ -15,7 +15,7 @@ from bluekoi.mismatch.camera_displacement import detect_displacements
 from bluekoi.model import plates
 from bluekoi.tuning.draws import sample_parameters
 from bluekoi.tuning.identify import profiles, spectrum
-from bluekoi.tuning.joint_fit import FittedModel, coefficient_table, downsampled, fit_all_trials
+from bluekoi.tuning.joint_fit import JointFit, coefficient_table, downsampled, fit_all_trials
 from simulated_campaigns import ErrorModel, simulate_campaigns
 from simulated_campaigns import trial_plans as plans_of
 
@@ -45,7 +45,7 @@ def with_changes(
                    inputs=one.inputs[cut], noise=one.noise[cut])  # fmt: skip
 
 
-def tuning_json(series: list[Series]) -> FittedModel:
+def tuning_json(series: list[Series]) -> JointFit:
     """Everything that the stage `tuning` makes of a joint fit."""
     few = downsampled(series)
     found = fit_all_trials(few)

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from bluekoi.engine import FittedSet, Problem, expand_about, fit_set
-from bluekoi.engine.evidence import evidence_with_shares, likeliest_shares, log_evidence
+from bluekoi.engine.evidence import evidence_with_shares, log_evidence, most_probable_shares
+from bluekoi.engine.expansion import Expansion
 from bluekoi.engine.forces import forces_in_set
 from bluekoi.engine.set_columns import (
-    DISCREPANCY_SHARE,
     DISCREPANCY_SHARES,
+    MAX_DISCREPANCY_SHARE,
     Layout,
     layout_of_set,
     with_shares,
@@ -40,6 +41,14 @@ def friction_fit() -> tuple[Problem, FittedSet]:
     return problem, fit_set(problem, ("coulomb_friction",), problem.noise, known)
 
 
+@pytest.fixture(scope="module")
+def friction_columns(friction_fit: tuple[Problem, FittedSet]) -> tuple[Expansion, Layout]:
+    """The expansion about that fit, and the columns of its set."""
+    problem, model = friction_fit
+    expansion = expand_about(problem, model)
+    return expansion, layout_of_set(problem, expansion, model.causes)
+
+
 def test_a_residual_term_pushes_in_its_channel_alone(
     friction_fit: tuple[Problem, FittedSet],
 ) -> None:
@@ -59,25 +68,21 @@ def test_the_force_of_a_unit_strength_is_the_root_mean_square_of_its_variable(
 
 
 def test_a_discrepancy_is_a_share_of_the_cause_in_the_same_channel(
-    friction_fit: tuple[Problem, FittedSet],
+    friction_fit: tuple[Problem, FittedSet], friction_columns: tuple[Expansion, Layout]
 ) -> None:
-    problem, model = friction_fit
-    forces = forces_in_set(problem, model)
-    expansion = expand_about(problem, model)
-    lay = layout_of_set(problem, expansion, model.causes)
+    forces = forces_in_set(*friction_fit)
+    expansion, lay = friction_columns
     precisions = dict(zip(lay.columns.tolist(), lay.precision, strict=True))
     (column,) = expansion.strengths["residual.sway_v"]
     force = precisions[column] ** -0.5 * forces["residual.sway_v"][SWAY]
-    assert force == pytest.approx(DISCREPANCY_SHARE * forces["coulomb_friction"][SWAY])
-    assert force < 0.7 * DISCREPANCY_SHARE * forces["coulomb_friction"][SURGE]
+    assert force == pytest.approx(MAX_DISCREPANCY_SHARE * forces["coulomb_friction"][SWAY])
+    assert force < 0.7 * MAX_DISCREPANCY_SHARE * forces["coulomb_friction"][SURGE]
 
 
 def test_the_evidence_is_the_mean_over_the_shares_that_a_formula_may_be_wrong_by(
-    friction_fit: tuple[Problem, FittedSet],
+    friction_columns: tuple[Expansion, Layout],
 ) -> None:
-    problem, model = friction_fit
-    expansion = expand_about(problem, model)
-    lay = layout_of_set(problem, expansion, model.causes)
+    expansion, lay = friction_columns
     single = [evidence_with_shares(expansion, lay, {"coulomb_friction": share})
               for share in DISCREPANCY_SHARES]  # fmt: skip
     mean = np.log(np.mean(np.exp(np.array(single) - max(single)))) + max(single)
@@ -85,33 +90,29 @@ def test_the_evidence_is_the_mean_over_the_shares_that_a_formula_may_be_wrong_by
 
 
 def test_an_exact_formula_is_not_charged_for_forces_that_it_does_not_leave(
-    friction_fit: tuple[Problem, FittedSet],
+    friction_columns: tuple[Expansion, Layout],
 ) -> None:
     """The trials have no friction: what is fitted needs no discrepancy, and at most log 3 is lost
     against the evidence without one.
     """
-    problem, model = friction_fit
-    expansion = expand_about(problem, model)
-    lay = layout_of_set(problem, expansion, model.causes)
+    expansion, lay = friction_columns
     none = evidence_with_shares(expansion, lay, {"coulomb_friction": 1e-6})
     assert log_evidence(expansion, lay) > none - np.log(len(DISCREPANCY_SHARES)) - 0.5
 
 
-def test_a_large_remainder_makes_the_large_share_likeliest(
-    friction_fit: tuple[Problem, FittedSet],
+def test_a_large_remainder_makes_the_largest_share_most_probable(
+    friction_columns: tuple[Expansion, Layout],
 ) -> None:
     """A residual force of a fifth of the cause's own, far above its standard error."""
-    problem, model = friction_fit
-    expansion = expand_about(problem, model)
-    lay = layout_of_set(problem, expansion, model.causes)
+    expansion, lay = friction_columns
     position = int(np.argmax(lay.discrepancy["coulomb_friction"]))
     column = lay.columns[position]
-    size = DISCREPANCY_SHARE * lay.discrepancy["coulomb_friction"][position]
+    size = MAX_DISCREPANCY_SHARE * lay.discrepancy["coulomb_friction"][position]
     hessian, gradient = expansion.hessian.copy(), expansion.gradient.copy()
     hessian[0, column, column] += (30 / size) ** 2
     gradient[0, column] += 30**2 / size
     pushed = replace(expansion, hessian=hessian, gradient=gradient)
-    assert likeliest_shares(pushed, lay) == {"coulomb_friction": max(DISCREPANCY_SHARES)}
+    assert most_probable_shares(pushed, lay) == {"coulomb_friction": max(DISCREPANCY_SHARES)}
 
 
 def test_a_term_of_two_causes_may_be_as_strong_as_the_larger_share_of_them() -> None:

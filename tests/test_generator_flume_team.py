@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.integrate import solve_ivp
+from study_files import assert_same_files
 
 from bluekoi.cli import main
 from validation.generators.flume_team import detector, footage, generate, optics, plan, studies
@@ -244,7 +245,4 @@ def test_files_are_accepted_by_the_tool_and_truths_have_the_keys_of_the_scores(g
 def test_a_study_is_reproduced_from_seed_and_index(generated_studies, tmp_path):
     folder, truths = generated_studies
     generate(9, truths[0]["index"], tmp_path, forms=[])
-    files = [p for p in tmp_path.rglob("*.*") if p.is_file()]
-    assert len(files) > 10
-    for path in files:
-        assert path.read_bytes() == (folder / path.relative_to(tmp_path)).read_bytes()
+    assert_same_files(tmp_path, folder)

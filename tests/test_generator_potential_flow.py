@@ -12,6 +12,7 @@ import pytest
 from candidate_causes import LEFT_RIGHT_ASYMMETRIC_CAUSES, MEASUREMENT, PHYSICS
 from click.testing import CliRunner
 from scipy.spatial.transform import Rotation
+from study_files import assert_same_files
 
 from bluekoi.cli import main
 from validation.generators.potential_flow import fins, generate, plan, resistance
@@ -236,8 +237,5 @@ def test_truth_has_the_keys_of_the_scores_and_sigma_in_range(generated_studies):
 def test_same_seed_gives_the_same_bytes(generated_studies, tmp_path):
     index, folder, truth = generated_studies
     generate(5, index, tmp_path, forms=[f for f in CATALOGUE if f.cause == "keypoint_bias"][:1])
-    files = [p for p in tmp_path.rglob("*.*") if p.is_file()]
-    assert len(files) > 10
-    for path in files:
-        assert path.read_bytes() == (folder / path.relative_to(tmp_path)).read_bytes()
+    assert_same_files(tmp_path, folder)
     assert truth["trials"] == 9

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.spatial.transform import Rotation
+from study_files import assert_same_files
 
 from bluekoi.cli import main
 from validation.generators.towing_basin import generate, ideal, plan, studies, trials
@@ -364,10 +365,7 @@ def test_truths_have_the_keys_of_the_scores_and_sigma_in_range(generated_studies
 def test_a_study_is_reproduced(generated_studies, tmp_path):
     folder, truths = generated_studies
     generate(9, truths[0]["index"], tmp_path, forms=[])
-    files = [p for p in tmp_path.rglob("*.*") if p.is_file()]
-    assert len(files) > 10
-    for path in files:
-        assert path.read_bytes() == (folder / path.relative_to(tmp_path)).read_bytes()
+    assert_same_files(tmp_path, folder)
 
 
 def test_robots_differ_and_stay_near_the_published_one():

@@ -22,7 +22,7 @@ from bluekoi.tuning import (
     table_1,
     three_steps,
 )
-from bluekoi.tuning.joint_fit import START_NOISE, FittedModel
+from bluekoi.tuning.joint_fit import START_NOISE, JointFit
 from bluekoi.tuning.results import straight_swimming
 from paper_robot import PAPER_SETUP
 from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
@@ -33,7 +33,7 @@ TRUTH = np.array([COEFFICIENTS[n] for n in NAMES])
 
 def tuned_at(
     values: np.ndarray, *, pull: float = 0.0, widths: float = 0.02, trials: int = 12
-) -> FittedModel:
+) -> JointFit:
     """A fit that ended at these values; the trials pull C_Da by `pull` of its deviations beyond."""
     rng = np.random.default_rng(5)
     kernel = compiled(plates())
@@ -48,10 +48,10 @@ def tuned_at(
     normal = Normal(H, g + H @ push, np.zeros(trials))
     found = Fit(tuple(Free(n) for n in NAMES), values, normal, "", 1)
     spread = cluster_covariance(normal, off_bounds(kernel, found))
-    return FittedModel(found, START_NOISE, spread.cov, plates().values({}), spread.df)
+    return JointFit(found, START_NOISE, spread.cov, plates().values({}), spread.df)
 
 
-def at_lower_bound(pull: float, **more: float) -> FittedModel:
+def at_lower_bound(pull: float, **more: float) -> JointFit:
     values = TRUTH.copy()
     values[2] = {p.name: p for p in plates().parameters}["C_Da"].lower
     return tuned_at(values, pull=pull, **more)
@@ -114,7 +114,7 @@ def test_a_number_that_hangs_on_one_trial_alone_is_not_judged() -> None:
     H[1:, 2], H[1:, :, 2], g[:, 2] = 0.0, 0.0, 0.0
     spread = cluster_covariance(Normal(H, g, np.zeros(12)))
     changed = replace(fit.fit, normal=Normal(H, g, np.zeros(12)))
-    row = coefficient_table(FittedModel(changed, fit.noise, spread.cov, fit.base, spread.df))
+    row = coefficient_table(JointFit(changed, fit.noise, spread.cov, fit.base, spread.df))
     assert row["C_Da"]["std"] is None
     assert row["C_Da"]["interval_95"] == [None, None]
     assert "only one trial determines it" in row["C_Da"]["why"]

@@ -11,7 +11,7 @@ from bluekoi.fitting import Series, cluster_covariance, off_bounds
 from bluekoi.fitting.joint_fit import AT_BOUND
 from bluekoi.integrate import compiled
 from bluekoi.model import plates
-from bluekoi.tuning import FittedModel, coefficient_table, downsampled, fit_all_trials
+from bluekoi.tuning import JointFit, coefficient_table, downsampled, fit_all_trials
 from bluekoi.tuning.identify import parameter_scales, profiles, spectrum
 from bluekoi.tuning.new_trial import c_optimal_trial, plausible_values
 from bluekoi.tuning.turning_trials import fit_outcome, undetermined_without_turns
@@ -74,13 +74,13 @@ BOUNDS = {"C_Da": 40.0, "C_La": 4.2, "C_Ma": -1.0, "C_Md": 5.0}
 
 
 @pytest.fixture(scope="module")
-def fit_at_bounds(straight_runs_fit) -> FittedModel:
+def fit_at_bounds(straight_runs_fit) -> JointFit:
     """The straight runs' fit as it comes out where three numbers run to their bounds."""
     kernel, found = compiled(plates()), fit_all_trials(straight_runs_fit)
     values = np.array([BOUNDS.get(n, v) for n, v in found.fit.by_label().items()])
     fit = replace(found.fit, values=values, outcome=AT_BOUND)
     spread = cluster_covariance(fit.normal, off_bounds(kernel, fit))
-    return FittedModel(fit, found.noise, spread.cov, found.base, spread.df, spread.influence)
+    return JointFit(fit, found.noise, spread.cov, found.base, spread.df, spread.influence)
 
 
 def test_a_trial_is_named_even_where_numbers_stand_at_bounds(

@@ -20,7 +20,7 @@ from bluekoi.fitting import (
 )
 from bluekoi.integrate import compiled
 from bluekoi.model import plates
-from bluekoi.tuning import FittedModel, downsampled, fit_all_trials
+from bluekoi.tuning import JointFit, downsampled, fit_all_trials
 from bluekoi.tuning.draws import response_to_bounded, sample_parameters
 from bluekoi.tuning.joint_fit import START_NOISE
 from bluekoi.tuning.paper_steps import _fit_second_step, draws
@@ -31,15 +31,13 @@ FRAMES = 20
 CONDITIONS = ((0.0, 0.12), (0.0, 0.12), (30.0, 0.12), (-30.0, 0.12), (45.0, 0.12))
 
 
-def fit_result(values: np.ndarray, names: list[str], normal: Normal, **more: object) -> FittedModel:
+def fit_result(values: np.ndarray, names: list[str], normal: Normal, **more: object) -> JointFit:
     spread = cluster_covariance(normal, **more)  # type: ignore[arg-type]
     fit = Fit(tuple(Free(n) for n in names), values, normal, "", 1)
-    return FittedModel(
-        fit, START_NOISE, spread.cov, plates().values({}), spread.df, spread.influence
-    )
+    return JointFit(fit, START_NOISE, spread.cov, plates().values({}), spread.df, spread.influence)
 
 
-def two_step_regression(rng: np.random.Generator) -> tuple[FittedModel, FittedModel, np.ndarray]:
+def two_step_regression(rng: np.random.Generator) -> tuple[JointFit, JointFit, np.ndarray]:
     """Lines whose first number comes from 4 trials of its own, two others from 6; truth is 0."""
     X1, X2 = rng.standard_normal((4, FRAMES, 1)), rng.standard_normal((6, FRAMES, 3))
     X2[:, :, 0] += 2.0 * X2[:, :, 1]
@@ -90,7 +88,7 @@ def test_what_cannot_be_judged_of_the_earlier_step_is_not_judged_of_the_later() 
 
 
 @pytest.fixture(scope="module")
-def three_step_fit() -> tuple[list[Series], FittedModel, FittedModel]:
+def three_step_fit() -> tuple[list[Series], JointFit, JointFit]:
     few = downsampled(
         simulate_campaigns(
             trial_plans((75,), CONDITIONS), ErrorModel(), np.random.default_rng(5), count=1

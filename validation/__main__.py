@@ -103,7 +103,7 @@ def record(folders: tuple[Path, ...], label: str, commit: str, date: str) -> Non
 @main.command()
 @FOLDER_ARGUMENT
 def discrepancy(folder: Path) -> None:
-    """Estimate the finder's DISCREPANCY_SHARE from the measured studies of FOLDER."""
+    """Measure how far the formulas of causes differ, in the measured studies of FOLDER."""
     from .discrepancy import discrepancy_report, relative_residuals  # noqa: PLC0415  compiles the model
 
     values: dict[str, list[float]] = {}

@@ -2,7 +2,8 @@
 
 The numbers of a set are its coefficients b (flat prior, profiled), the strengths s_k of its causes,
 their functional forms f ~ N(leading form, spread^2), and a discrepancy d ~ N(0, tau^2): residual
-terms in the channels of one of its causes (`set_columns.DISCREPANCY_SHARE`). With gradient g and
+terms in the channels of one of its causes. tau is a share of the force of the cause
+(`set_columns.DISCREPANCY_SHARES`), over which m(S) is averaged. With gradient g and
 information H of the likelihood, prior precision P and G the Schur complement of H + P that is left
 when b is profiled,
 
@@ -18,7 +19,6 @@ posterior's share on that side.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 
 import numpy as np
 from scipy.special import gammaln, log_ndtr, logsumexp
@@ -26,9 +26,11 @@ from scipy.special import gammaln, log_ndtr, logsumexp
 from ..data import Float
 from .expansion import Expansion
 from .problem import Problem
-from .set_columns import DISCREPANCY_SHARES, Layout, with_shares
+from .set_columns import Layout, combinations_of_shares, with_shares
 
-DIAGONAL_RIDGE = 1e-10  # beside ones on the diagonal, for columns that are nearly the same
+DIAGONAL_RIDGE = 1e-10
+"""Numerical: added to a diagonal of ones, so that columns that are nearly the same can be inverted.
+A million times the rounding error, and far below the information of any prior."""
 LOG_PROBABILITY_OF_IMPOSSIBLE = -50.0
 """Log probability of a cause whose strength is held at 0. Finite, so that differences are
 defined, and so low that no such set is named."""
@@ -36,10 +38,8 @@ defined, and so low that no such set is named."""
 
 def log_evidence(expansion: Expansion, lay: Layout) -> float:
     """Log m(S) of a set, averaged over the shares of the discrepancies of its causes."""
-    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
-    g = expansion.gradient.sum(axis=0)[lay.columns]
-    values = [laplace_evidence(H, g, other) for other in layouts_by_share(lay)]
-    return float(expansion.log_likelihood.sum() + logsumexp(values) - np.log(len(values)))
+    values = [evidence_with_shares(expansion, lay, s) for s in combinations_of_shares(lay)]
+    return float(logsumexp(values) - np.log(len(values)))
 
 
 def evidence_with_shares(expansion: Expansion, lay: Layout, shares: Mapping[str, float]) -> float:
@@ -50,23 +50,12 @@ def evidence_with_shares(expansion: Expansion, lay: Layout, shares: Mapping[str,
     return float(expansion.log_likelihood.sum()) + found
 
 
-def layouts_by_share(lay: Layout) -> list[Layout]:
-    """The columns of a set for every combination of `DISCREPANCY_SHARES` of its causes."""
-    return [with_shares(lay, shares) for shares in _combinations_of_shares(lay)]
-
-
-def likeliest_shares(expansion: Expansion, lay: Layout) -> dict[str, float]:
-    """Cause -> the share of its discrepancy with which the set is most probable."""
-    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
-    g = expansion.gradient.sum(axis=0)[lay.columns]
-    return max(_combinations_of_shares(lay),
-               key=lambda shares: laplace_evidence(H, g, with_shares(lay, shares)))  # fmt: skip
-
-
-def _combinations_of_shares(lay: Layout) -> list[dict[str, float]]:
-    causes = list(lay.discrepancy)
-    return [dict(zip(causes, shares, strict=True))
-            for shares in product(DISCREPANCY_SHARES, repeat=len(causes))]  # fmt: skip
+def most_probable_shares(expansion: Expansion, lay: Layout) -> dict[str, float]:
+    """Cause -> the share of its discrepancy with which the set has the largest evidence."""
+    return max(
+        combinations_of_shares(lay),
+        key=lambda shares: evidence_with_shares(expansion, lay, shares),
+    )
 
 
 def laplace_evidence(H: Float, g: Float, lay: Layout) -> float:

@@ -25,13 +25,13 @@ from .problem import MAX_SEARCH_TRIALS, Problem
 
 STEP_TOLERANCE_STDS = 0.1
 """A fit ends with a step of this many standard deviations in the mean square."""
-SMALL_FORCE_START = (2e-4, 0.5)
-"""Second start of the noise estimate: small random forces (in each force's unit, as a share of
-those at the first start where smaller) with a correlation time of 0.5 s."""
-SMALL_FORCE_SHARE_OF_PROBLEM_NOISE = 0.05
+SMALL_FORCE_SHARE, SMALL_FORCE_CORRELATION_TIME_S = 0.05, 0.5
+"""Second start of the noise estimate: random forces of this share of those at the first start. The
+noise likelihood has several maxima, some of which are reached only from small forces: there a law,
+not a random force, explains the motion. The share is assumed; both only choose where fits begin."""
 MAX_NOISE_ROUNDS, NOISE_STEPS, MIN_ROUND_GAIN_LOG_LIK = 6, 6, 0.3
-"""Rounds in which noise and numbers are fitted in turn, quasi-Newton steps of each, and the log
-likelihood below which another round is not worth its time."""
+"""Limits of the computing time: rounds in which noise and numbers are fitted in turn, quasi-Newton
+steps of each, and the log likelihood below which another round is not worth its time."""
 
 
 @dataclass(frozen=True)
@@ -289,8 +289,8 @@ def small_force_noise(problem: Problem, noise: Noise) -> Noise:
     disturbance, tau = noise.disturbance.copy(), noise.tau.copy()
     for k, slot in enumerate(disturbance_slots(problem.kernel)[:count]):
         if slot in acting:
-            disturbance[k] = SMALL_FORCE_SHARE_OF_PROBLEM_NOISE * problem.noise.disturbance[k]
-            tau[k] = SMALL_FORCE_START[1]
+            disturbance[k] = SMALL_FORCE_SHARE * problem.noise.disturbance[k]
+            tau[k] = SMALL_FORCE_CORRELATION_TIME_S
     return replace(noise, disturbance=disturbance, tau=tau)
 
 

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from .candidates import Candidate
-from .evidence import evidence_with_shares, likeliest_shares, log_prior
+from .evidence import evidence_with_shares, log_prior, most_probable_shares
 from .expansion import Expansion, expand_about, likely_strengths
 from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FittedSets
 from .problem import MAX_SEARCH_TRIALS, Problem
@@ -40,8 +40,8 @@ REPLACEMENTS_PER_SET = 2
 SMALL_FORCE_REFITS_PER_SET = 2
 """How many are refitted that would be most probable if random forces were small."""
 MIN_REFITS_PER_SET, MIN_LOG_ODDS_TO_REFIT = 2, -6.0
-"""So many are refitted whatever the expansion says; further ones where it says posterior odds of
-more than e^-6."""
+"""Limits of the computing time: so many are refitted whatever the expansion says; further ones
+where it says posterior odds of more than e^-6."""
 MAX_LOG_ODDS_TO_PROPOSE = 25.0
 """A cause whose expansion says that it makes a set e^25 times less probable than the best proposal
 is not refitted."""
@@ -61,7 +61,7 @@ def ranked_proposals(
     if not expansion.usable:
         return []
     own = layout_of_set(problem, expansion, causes)
-    shares = likeliest_shares(expansion, own)
+    shares = most_probable_shares(expansion, own)
     before = evidence_with_shares(expansion, own, shares)
     out: list[tuple[float, str]] = []
     for candidate in among:

@@ -1,7 +1,7 @@
 """Columns of an expansion that make up a set of causes, with the priors of their numbers.
 
 The discrepancy of a set consists of residual terms in the channels of its causes
-(`Problem.covers`). In each channel it is as strong as the share `DISCREPANCY_SHARE` of the cause's
+(`Problem.covers`). In each channel it is as strong as one of `DISCREPANCY_SHARES` of the cause's
 force (Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), 425).
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 
@@ -18,14 +19,12 @@ from .candidates import Candidate, form_precision, has_single_sign, parameter_of
 from .expansion import Expansion
 from .problem import Problem
 
-DISCREPANCY_SHARE = 0.2
-"""Prior standard deviation of a cause's discrepancy relative to its force in each channel
-(assumed). `python -m validation discrepancy` measures how far its forms differ: 0.04 in the median
-of 17 causes."""
 DISCREPANCY_SHARES = (0.02, 0.06, 0.2)
-"""Equally probable values of the share of each cause, over which the evidence is averaged: the
-range that `python -m validation discrepancy` measures for the forms of the causes. The fits have
-the largest one, `DISCREPANCY_SHARE`."""
+"""Prior standard deviation of a cause's discrepancy relative to its force in each channel: values
+of equal prior probability. `python -m validation discrepancy` measures how far the forms of the
+causes differ from each other."""
+MAX_DISCREPANCY_SHARE = max(DISCREPANCY_SHARES)
+"""The share with which sets are fitted."""
 MIN_INFORMATION = 1e-12
 """Below any information that trials have; keeps quotients of zeros finite."""
 
@@ -95,14 +94,16 @@ def layout_of_set(problem: Problem, expansion: Expansion, causes: Sequence[str])
         at=np.array([c.at for c in columns]),
         held=np.array([_is_held(problem, expansion, c.index) for c in columns]),
         sizes={c: plausible_strengths(problem, c)[: len(blocks[c])] for c in causes},
-        discrepancy={
-            c: np.array(
-                [own.get(k.index, 0.0) if k.gaussian and not k.included else 0.0 for k in columns]
-            )
-            for c, own in relative.items()
-            if own
-        },
-    )
+        discrepancy={c: np.array([own.get(k.index, 0.0) for k in columns])
+                     for c, own in relative.items() if own},
+    )  # fmt: skip
+
+
+def combinations_of_shares(lay: Layout) -> list[dict[str, float]]:
+    """Cause -> share, for every combination of `DISCREPANCY_SHARES` of the causes."""
+    causes = list(lay.discrepancy)
+    return [dict(zip(causes, shares, strict=True))
+            for shares in product(DISCREPANCY_SHARES, repeat=len(causes))]  # fmt: skip
 
 
 def with_shares(lay: Layout, shares: Mapping[str, float]) -> Layout:
@@ -200,7 +201,7 @@ def _discrepancy_columns(
     problem: Problem, expansion: Expansion, relative: Mapping[str, Mapping[int, float]]
 ) -> list[_Column]:
     """Residual terms that may stem from the formula of one of the causes: their prior deviation
-    makes their force `DISCREPANCY_SHARE` times that of the cause in the same channel.
+    makes their force `MAX_DISCREPANCY_SHARE` times that of the cause in the same channel.
     """
     largest: dict[int, float] = {}
     for own in relative.values():
@@ -211,7 +212,7 @@ def _discrepancy_columns(
         for name, own in expansion.strengths.items()
         for free, column in zip(problem.by_name[name].strengths, own, strict=True)
     }
-    return [_Column(i, (DISCREPANCY_SHARE * size) ** -2.0, gaussian=True, at=fitted[i])
+    return [_Column(i, (MAX_DISCREPANCY_SHARE * size) ** -2.0, gaussian=True, at=fitted[i])
             for i, size in largest.items()]  # fmt: skip
 
 

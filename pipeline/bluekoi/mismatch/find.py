@@ -37,7 +37,7 @@ from ..integrate.batch import threaded_map
 from ..model import is_residual, plates
 from ..study import Study
 from ..study.data_split import has_trial_roles, held_out_trials
-from ..tuning import FittedModel, downsampled, fit_all_trials, steady_errors
+from ..tuning import JointFit, downsampled, fit_all_trials, steady_errors
 from .camera_displacement import CameraDisplacement, detect_displacements, with_displacements
 from .drift import Drift, drifting_trial
 from .free_run_errors import path_errors
@@ -45,8 +45,9 @@ from .missing_force_dependence import Dependence, covariates, dependences
 from .robot_problem import robot_problem
 
 MIN_FORCE_UNIT_SHARE_OF_BASELINE = 0.1
-
-
+"""The missing force is compared with the random forces of the final model, but with no less than
+this share of the baseline's: a random force that a fit estimates as 0 is no unit. Only for the
+choice of what the figures show."""
 SEARCH_RATE_HZ = 5.0
 """Observations a second in the search: what acts for a second or longer loses nothing, and the
 time is half that of ten. The chosen set is fitted to ten.
@@ -73,8 +74,8 @@ class MismatchResult:
     unexplained: float
     model: FittedSet
     gains: Mapping[str, float]
-    baseline: FittedModel
-    extended: FittedModel
+    baseline: JointFit
+    extended: JointFit
     fitted_to: str
     forces: Sequence[MissingForce]
     dependences: Sequence[Dependence]
@@ -156,7 +157,7 @@ def find_mismatch(
 
 
 def _camera_displacements_and_drift(
-    kernel: Kernel, series: Sequence[Series], model: FittedModel
+    kernel: Kernel, series: Sequence[Series], model: JointFit
 ) -> tuple[list[CameraDisplacement], Drift | None]:
     """Displacements of the camera during a trial, and the trial whose positions drift, if any."""
     fitted = kernel, series, model.trial_values(kernel, series), model.noise
@@ -168,7 +169,7 @@ SINGLE_TRIAL_VARIANCE_FACTOR = 2.0
 twice, the overdispersion above which the report warns."""
 
 
-def with_between_trial_covariance(baseline: FittedModel, model: FittedSet) -> FittedModel:
+def with_between_trial_covariance(baseline: JointFit, model: FittedSet) -> JointFit:
     """A fitted set with covariances from how its trials disagree."""
     free = off_bounds_mask(model)
     spread = cluster_covariance(model.fit.normal, free)
@@ -177,12 +178,10 @@ def with_between_trial_covariance(baseline: FittedModel, model: FittedSet) -> Fi
     naive = SINGLE_TRIAL_VARIANCE_FACTOR * np.diag(inverse_fisher(model.fit.normal, free))
     cov[alone, alone] = np.maximum(cov[alone, alone], naive[alone])
     df[alone] = max(len(model.fit.normal.hessian) - 1, 1)
-    return FittedModel(model.fit, model.noise, cov, baseline.base, df, None)
+    return JointFit(model.fit, model.noise, cov, baseline.base, df, None)
 
 
-def trajectory_fit(
-    kernel: Kernel, train: Sequence[Series], baseline: FittedModel
-) -> FittedModel | None:
+def trajectory_fit(kernel: Kernel, train: Sequence[Series], baseline: JointFit) -> JointFit | None:
     """The baseline fitted to whole trajectories, the criterion of the comparison; None where that
     fit diverges.
     """
@@ -195,8 +194,8 @@ def _missing_force_and_dependences(
     study: Study,
     kernel: Kernel,
     series: Sequence[Series],
-    baseline: FittedModel,
-    extended: FittedModel,
+    baseline: JointFit,
+    extended: JointFit,
 ) -> tuple[list[MissingForce], list[Dependence]]:
     """What the model lacks without its additions, and what that depends on.
 

@@ -27,7 +27,7 @@ from ..fitting import (
 from ..integrate import Kernel
 from ..integrate.batch import threaded_map
 from ..study import Study
-from ..tuning import FittedModel
+from ..tuning import JointFit
 from ..tuning.stability import predictability_horizon_s
 
 NOISE_FLOOR_SEED = 20240517
@@ -53,7 +53,7 @@ class PathErrors:
 
 
 def path_errors(
-    study: Study, kernel: Kernel, models: Mapping[str, FittedModel], series: Sequence[Series]
+    study: Study, kernel: Kernel, models: Mapping[str, JointFit], series: Sequence[Series]
 ) -> PathErrors:
     """`PathErrors` of models on trials, over the predictability horizon of the last, the best one.
 
@@ -71,7 +71,7 @@ def path_errors(
 
 
 def _bootstrap_path_errors_m(
-    kernel: Kernel, tuned: FittedModel, segments: Sequence[Series]
+    kernel: Kernel, tuned: JointFit, segments: Sequence[Series]
 ) -> list[float]:
     """Path errors of a model on data made by itself, segment by segment, m."""
     rng, values = np.random.default_rng(NOISE_FLOOR_SEED), tuned.trial_values(kernel, segments)
@@ -86,7 +86,7 @@ def _bootstrap_path_errors_m(
 
 
 def trial_segments(
-    kernel: Kernel, tuned: FittedModel, series: Sequence[Series], horizon_s: float
+    kernel: Kernel, tuned: JointFit, series: Sequence[Series], horizon_s: float
 ) -> list[Series]:
     """Segments of all trials; the states of effects (a lag, a servo) start at the values that the
     model's filter has at that time.
@@ -140,7 +140,7 @@ def _state_by_parabola(series: Series, frame: int) -> Float:
                      vy * np.cos(psi) - vx * np.sin(psi), r])  # fmt: skip
 
 
-def _path_rmse_m(kernel: Kernel, tuned: FittedModel, segments: Sequence[Series]) -> float:
+def _path_rmse_m(kernel: Kernel, tuned: JointFit, segments: Sequence[Series]) -> float:
     """Root mean square distance between seen and simulated over all segments, m."""
     runs = free_runs(kernel, segments, tuned.trial_values(kernel, segments))
     precise = precisely_seen_frames(segments)

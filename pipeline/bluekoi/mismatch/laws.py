@@ -13,7 +13,7 @@ from ..data import Float
 from ..fitting import MissingForce, Noise, Series, added_force, missing_force, slots_by_name
 from ..integrate import Kernel
 from ..study import Trial
-from ..tuning import FittedModel
+from ..tuning import JointFit
 from ..tuning.joint_fit import Z_95
 from .missing_force_dependence import CHANNELS, covariates
 
@@ -57,7 +57,7 @@ def cause_laws(
     kernel: Kernel,
     series: Sequence[Series],
     forces: Sequence[MissingForce],
-    tuned: FittedModel,
+    tuned: JointFit,
     trials: Mapping[str, Trial],
 ) -> dict[str, dict[str, Any]]:
     """Law of every cause in a tuned model that exerts a force.
@@ -79,7 +79,7 @@ def partial_residuals(
     kernel: Kernel,
     series: Sequence[Series],
     forces: Sequence[MissingForce],
-    tuned: FittedModel,
+    tuned: JointFit,
     trials: Mapping[str, Trial],
     *,
     laws: Mapping[str, Mapping[str, Any]],
@@ -115,7 +115,7 @@ def _means_over_trial_parts(values: Float) -> Float:
 def _cause_law(
     kernel: Kernel,
     series: Sequence[Series],
-    tuned: FittedModel,
+    tuned: JointFit,
     name: str,
     over: Mapping[str, Float],
 ) -> dict[str, Any] | None:
@@ -149,7 +149,7 @@ def _cause_law(
 
 
 def _cause_force(
-    kernel: Kernel, series: Sequence[Series], tuned: FittedModel, name: str, values: Float
+    kernel: Kernel, series: Sequence[Series], tuned: JointFit, name: str, values: Float
 ) -> Float:
     """Force (frames, channels) of one cause along all trials, with these fitted numbers."""
     free, slots = tuned.fit.free, slots_by_name(kernel)
@@ -196,7 +196,7 @@ def _share_explained_by_bins(binned: EqualCountBins, y: Float) -> float:
     return float(1.0 - np.mean(left**2) / max(float(np.mean(y[inside] ** 2)), 1e-300))
 
 
-def _half_width_95(tuned: FittedModel, own: Sequence[int], law: Any, mean: Float) -> Float | None:
+def _half_width_95(tuned: JointFit, own: Sequence[int], law: Any, mean: Float) -> Float | None:
     """Half width of the 95 % band (bins,), linear in the cause's numbers; None where one of their
     deviations is unknown. A number at its bound does not vary.
     """

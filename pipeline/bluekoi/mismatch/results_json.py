@@ -14,7 +14,7 @@ from ..fitting import Series
 from ..integrate import Effect
 from ..model import is_residual, plates, residual_channels
 from ..study import Study
-from ..tuning import FittedModel
+from ..tuning import JointFit
 from ..tuning.joint_fit import Z_95
 from .find import MismatchResult
 from .missing_force_dependence import CHANNELS
@@ -107,7 +107,7 @@ def _parameters_json(found: MismatchResult, name: str) -> dict[str, dict[str, An
     }
 
 
-def normal_equivalent_std(tuned: FittedModel) -> list[float]:
+def normal_equivalent_std(tuned: JointFit) -> list[float]:
     """Deviations (p,) of normal distributions with the 95 % intervals of a tuned model."""
     return [float(std) for std in 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / Z_95]
 

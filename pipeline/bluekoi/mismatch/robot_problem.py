@@ -11,7 +11,7 @@ from ..engine import Priors, Problem, candidates_of
 from ..fitting import Series, TrialEffect
 from ..integrate import Kernel
 from ..model import STATE_VARIABLES, residual_sources
-from ..tuning import FittedModel
+from ..tuning import JointFit
 from .camera_displacement import CAMERA_SHIFT_EFFECT, TAIL_FACTOR, CameraDisplacement
 
 SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
@@ -47,7 +47,7 @@ CAUSE_KINDS = ("physics", "measurement", "residual")
 def robot_problem(
     kernel: Kernel,
     series: Sequence[Series],
-    baseline: FittedModel,
+    baseline: JointFit,
     *,
     displaced: Sequence[CameraDisplacement],
     by_homography: bool = False,

@@ -8,10 +8,10 @@ from scipy.special import stdtr, stdtrit
 from ..data import Float
 from ..fitting import Fit, conditional_response, newton_step_off_bounds, student_t_draws
 from .bounds import one_sided, parameter_of
-from .joint_fit import FittedModel
+from .joint_fit import JointFit
 
 
-def sample_parameters(tuned: FittedModel, count: int, rng: np.random.Generator) -> Float:
+def sample_parameters(tuned: JointFit, count: int, rng: np.random.Generator) -> Float:
     """Draws (count, p) of a fit's numbers, within their bounds.
 
     Numbers off their bounds as in `student_t_draws`. One at its bound varies over its one-sided

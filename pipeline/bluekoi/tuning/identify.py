@@ -17,7 +17,7 @@ from ..integrate import compiled
 from ..integrate.batch import threaded_map
 from ..model import plates
 from .bounds import bound_sides
-from .joint_fit import UNDETERMINED_ABOVE, Z_95, FittedModel
+from .joint_fit import UNDETERMINED_ABOVE, Z_95, JointFit
 
 PROFILE_POINTS_STDS = (-2.5, -1.25, -0.6, 0.6, 1.25, 2.5)
 """Where a profile is taken, in standard deviations from the fit."""
@@ -61,14 +61,14 @@ class Profile:
     upper: float | None
 
 
-def parameter_scales(tuned: FittedModel) -> Float:
+def parameter_scales(tuned: JointFit) -> Float:
     """Size (p,) that a change of each free number is held against."""
     starts = {p.name: abs(p.start) for p in plates().parameters}
     usual = np.array([starts[f.name] for f in tuned.fit.free])
     return np.maximum(np.abs(tuned.fit.values), usual)
 
 
-def spectrum(tuned: FittedModel) -> list[Combination]:
+def spectrum(tuned: JointFit) -> list[Combination]:
     """Combinations of the free numbers by their deviation, the least determined first.
 
     Eigenvectors of the relative covariance, with the widths that the table has: Student's t with
@@ -82,7 +82,7 @@ def spectrum(tuned: FittedModel) -> list[Combination]:
     return sorted(out, key=lambda one: (one.std, one.naive), reverse=True)
 
 
-def _combination_at_bound(tuned: FittedModel, index: int) -> Combination:
+def _combination_at_bound(tuned: JointFit, index: int) -> Combination:
     """A number at its bound; its interval is one-sided."""
     alone, size = np.eye(len(tuned.std))[index], parameter_scales(tuned)[index]
     width = float(np.diff(tuned.interval_95[index])[0])
@@ -90,7 +90,7 @@ def _combination_at_bound(tuned: FittedModel, index: int) -> Combination:
     return Combination(alone, std, side=bound_sides(tuned.fit)[index])
 
 
-def _combinations_off_bounds(tuned: FittedModel, held: Sequence[str]) -> list[Combination]:
+def _combinations_off_bounds(tuned: JointFit, held: Sequence[str]) -> list[Combination]:
     """Combinations of the numbers that are off their bounds."""
     own = np.flatnonzero([not side for side in held])
     if not len(own):
@@ -110,12 +110,12 @@ def _combinations_off_bounds(tuned: FittedModel, held: Sequence[str]) -> list[Co
     return [Combination(axes @ v, np.inf) for v in vectors[:, blind].T] + determined
 
 
-def _combination(tuned: FittedModel, direction: Float, naive: float) -> Combination:
+def _combination(tuned: JointFit, direction: Float, naive: float) -> Combination:
     std = tuned.covariance.half_width(direction / parameter_scales(tuned)) / Z_95
     return Combination(direction, max(std, float(naive)), float(naive))
 
 
-def profiles(series: Sequence[Series], tuned: FittedModel) -> list[Profile]:
+def profiles(series: Sequence[Series], tuned: JointFit) -> list[Profile]:
     """Profiles of the joint fit's free numbers, under the joint fit's noise and the gains of its
     filter: as predictor of one form, the fit is the likeliest (Ljung, System Identification, 1999,
     7.2), which it need not be when the gains of a model that lacks something move with it.
@@ -128,7 +128,7 @@ def profiles(series: Sequence[Series], tuned: FittedModel) -> list[Profile]:
 
 
 def _profile(
-    series: Sequence[Series], tuned: FittedModel, index: int, predictor: FilterResults
+    series: Sequence[Series], tuned: JointFit, index: int, predictor: FilterResults
 ) -> Profile:
     """Profile of one free number, under held gains."""
     kernel, found = compiled(plates()), tuned.fit

@@ -57,7 +57,7 @@ def downsampled(series: Sequence[Series], rate_hz: float = DEFAULT_BLOCK_RATE_HZ
 
 
 @dataclass(frozen=True)
-class FittedModel:
+class JointFit:
     """A joint fit, its noise, and its covariance (p, p) from how its trials disagree.
 
     df (p,): degrees of freedom of each variance, None for the normal law. influence: for
@@ -104,7 +104,7 @@ def fit_all_trials(
     series: Sequence[Series], free: Sequence[Free] | None = None, *, base: Float | None = None,
     noise: Noise | None = None, start: dict[str, float] | None = None,
     min_share: float = MIN_NAIVE_VARIANCE_SHARE,
-) -> FittedModel:  # fmt: skip
+) -> JointFit:  # fmt: skip
     """Joint fit of the free numbers (default: the six coefficients); without `noise` that too.
 
     min_share: share of the naive variance below which none is stated, however well trials agree.
@@ -121,7 +121,7 @@ def fit_all_trials(
         found = fit(kernel, series, base, free, noise, start=found.by_label())
     own = servo_random_effect(kernel, series, found, base, noise=noise)
     spread = cluster_covariance(found.normal, off_bounds(kernel, found), own, min_share=min_share)
-    return FittedModel(found, noise, spread.cov, base, spread.df, spread.influence)
+    return JointFit(found, noise, spread.cov, base, spread.df, spread.influence)
 
 
 def _first_fit(
@@ -158,12 +158,12 @@ def servo_random_effect(
     )
 
 
-def coefficient_table(tuned: FittedModel) -> dict[str, dict[str, Any]]:
+def coefficient_table(tuned: JointFit) -> dict[str, dict[str, Any]]:
     """Label -> `coefficient_cell` of every fitted number."""
     return {f.label: coefficient_cell(tuned, i) for i, f in enumerate(tuned.fit.free)}
 
 
-def coefficient_cell(tuned: FittedModel, index: int) -> dict[str, Any]:
+def coefficient_cell(tuned: JointFit, index: int) -> dict[str, Any]:
     """value, std, interval_95, naive_std, unit, whether determined, and why not, of one number.
 
     At a bound `at_bound` says which, there is no std, and the interval has the bound at one end.

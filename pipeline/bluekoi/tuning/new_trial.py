@@ -16,7 +16,7 @@ from ..observation import view_of
 from ..study import Setup
 from .bounds import bound_sides, parameter_of
 from .identify import Combination, parameter_scales
-from .joint_fit import UNDETERMINED_ABOVE, FittedModel
+from .joint_fit import UNDETERMINED_ABOVE, JointFit
 from .turning_trials import TURN_COEFFICIENTS, all_straight
 
 CANDIDATE_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0, 60.0)
@@ -36,7 +36,7 @@ class NewTrial:
 
 
 def c_optimal_trial(
-    series: Sequence[Series], tuned: FittedModel, setup: Setup, combination: Combination
+    series: Sequence[Series], tuned: JointFit, setup: Setup, combination: Combination
 ) -> NewTrial | None:
     """The trial within the robot's range that adds most information on a combination; None if
     none can be simulated.
@@ -68,7 +68,7 @@ def c_optimal_trial(
     return NewTrial(float(power), angle, length, float(left[best]))
 
 
-def plausible_values(series: Sequence[Series], tuned: FittedModel) -> Float:
+def plausible_values(series: Sequence[Series], tuned: JointFit) -> Float:
     """Values (p,) to imagine trials with: the fitted ones, but the plausible one from which fits
     start where a number stands at a bound or its naive deviation exceeds `UNDETERMINED_ABOVE` of
     its size: at a bound of 40 simulations run away.
@@ -96,7 +96,7 @@ def _candidate_conditions(series: Sequence[Series], setup: Setup) -> list[tuple[
 def _simulate_candidate_trial(
     kernel: Kernel,
     series: Sequence[Series],
-    tuned: FittedModel,
+    tuned: JointFit,
     setup: Setup,
     condition: tuple[str, float, float],
 ) -> Series:
@@ -119,7 +119,7 @@ def _simulate_candidate_trial(
     return replace(one, seen=_simulate_states(kernel, one, tuned))
 
 
-def _simulate_states(kernel: Kernel, series: Series, tuned: FittedModel) -> Float:
+def _simulate_states(kernel: Kernel, series: Series, tuned: JointFit) -> Float:
     values = tuned.trial_values(kernel, [series])[0]
     lanes = [in_lanes(row[None]) for row in (series.mean, values, series.constants)]
     observed, _ = propagate(kernel, *lanes, times=series.times[None], inputs=series.inputs[None])

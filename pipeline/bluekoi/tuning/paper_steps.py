@@ -22,7 +22,7 @@ from ..fitting import Free, Series
 from ..model import plates, steady_turn
 from ..study import Study, Trial
 from .draws import clip_to_bounds, sample_parameters
-from .joint_fit import FittedModel, coefficient_cell, fit_all_trials
+from .joint_fit import JointFit, coefficient_cell, fit_all_trials
 from .two_step_covariance import step_sensitivity, with_step_covariance
 
 MAX_STRAIGHT_ANGLE_DEG = 3.0
@@ -39,7 +39,7 @@ COEFFICIENTS_PER_POWER = ("C_Da", "C_Md")
 
 def three_steps(
     study: Study, series: Sequence[Series], steady: Mapping[str, Steady]
-) -> tuple[dict[str, Any], FittedModel | None, FittedModel | None]:
+) -> tuple[dict[str, Any], JointFit | None, JointFit | None]:
     """Result by power as in coefficients.json, and the fits of steps 1 and 2.
 
     A step whose trials are missing is None and its coefficients are said to be undetermined.
@@ -71,7 +71,7 @@ def three_steps(
 
 
 def draws(
-    fits: tuple[FittedModel | None, FittedModel | None],
+    fits: tuple[JointFit | None, JointFit | None],
     sensitivity: Float | None,
     rng: np.random.Generator,
 ) -> dict[str, list[float]]:
@@ -114,7 +114,7 @@ def _has_one_x_head(study: Study, trial: Trial) -> bool:
     return abs(trial.head_length_m - study.setup.robot.head_length_m) < 1e-6
 
 
-def _fit_second_step(turns: Sequence[Series], first: FittedModel | None) -> FittedModel:
+def _fit_second_step(turns: Sequence[Series], first: JointFit | None) -> JointFit:
     groups = sorted({s.group for s in turns}, key=float)
     free = [
         Free("C_La"),
@@ -132,7 +132,7 @@ def _results_of_power(
     power: str,
     series: Sequence[Series],
     steady: Mapping[str, Steady],
-    fits: tuple[FittedModel | None, FittedModel | None],
+    fits: tuple[JointFit | None, JointFit | None],
 ) -> dict[str, Any]:
     here = [s for s in series if s.group == power]
     flap_hz = float(np.mean([s.inputs[0, 1] for s in here]))
@@ -149,7 +149,7 @@ def _results_of_power(
 
 
 def _coefficient_entry(
-    name: str, power: str, fits: tuple[FittedModel | None, FittedModel | None]
+    name: str, power: str, fits: tuple[JointFit | None, JointFit | None]
 ) -> dict[str, Any]:
     parameter = {p.name: p for p in plates().parameters}[name]
     for step, fitted in enumerate(fits, start=1):

@@ -14,7 +14,7 @@ from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING, p
 from ..study import Study
 from .draws import sample_parameters
 from .identify import profiles, spectrum
-from .joint_fit import FittedModel, coefficient_table, downsampled, fit_all_trials
+from .joint_fit import JointFit, coefficient_table, downsampled, fit_all_trials
 from .paper_steps import three_steps
 from .stability import growth_per_s, stability_verdict, undetermined_stability
 from .turning_trials import (
@@ -37,7 +37,7 @@ how trials disagree.
 
 def coefficients(
     study: Study, series: Sequence[Series], steady: Mapping[str, Steady], *, seed: int = 0
-) -> tuple[dict[str, Any], FittedModel]:
+) -> tuple[dict[str, Any], JointFit]:
     """Content of coefficients.json, and the joint fit."""
     few = downsampled(series)
     steps, _, _ = three_steps(study, few, steady)
@@ -69,7 +69,7 @@ def coefficients(
 def straight_swimming(
     study: Study,
     steps: Mapping[str, Any],
-    joint: FittedModel,
+    joint: JointFit,
     draws: Float,
     *,
     series: Sequence[Series],
@@ -91,7 +91,7 @@ def straight_swimming(
     return stability_verdict(by_power[worst], over) | {"by_power": by_power}
 
 
-def identifiability(series: Sequence[Series], joint: FittedModel) -> dict[str, Any]:
+def identifiability(series: Sequence[Series], joint: JointFit) -> dict[str, Any]:
     """Spectrum of combinations, the least determined first, and profiles by coefficient."""
     names = [f.label for f in joint.fit.free]
     return {
@@ -159,7 +159,7 @@ def _none_to_nan(value: float | None) -> float:
 
 
 def simulations(
-    series: Sequence[Series], joint: FittedModel, steps: Mapping[str, Any]
+    series: Sequence[Series], joint: JointFit, steps: Mapping[str, Any]
 ) -> dict[str, dict[str, Float]]:
     """Trial -> columns of simulations/ID.csv: joint and per-power model from fitted starts."""
     kernel = compiled(plates())

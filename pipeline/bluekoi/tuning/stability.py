@@ -12,7 +12,7 @@ from ..integrate import LANES, Kernel, System, compiled
 from ..integrate.batch import in_lanes, propagate
 from ..model import constants, plates, simulate
 from ..study import Setup, Study
-from .joint_fit import FittedModel
+from .joint_fit import JointFit
 
 LINEARISATION_S = 0.02
 """Interval over which the motion is linearised."""
@@ -120,7 +120,7 @@ MIN_HORIZON_S = 1.0
 
 
 def predictability_horizon_s(
-    study: Study, kernel: Kernel, tuned: FittedModel, series: Sequence[Series]
+    study: Study, kernel: Kernel, tuned: JointFit, series: Sequence[Series]
 ) -> float:
     """Time in which small differences grow by e^`MAX_LOG_GROWTH` in straight swimming, s."""
     times = [np.inf]

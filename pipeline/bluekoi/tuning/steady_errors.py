@@ -11,13 +11,13 @@ from ..fitting import Series
 from ..integrate import Kernel
 from ..model import simulate
 from ..study import Study
-from .joint_fit import FittedModel
+from .joint_fit import JointFit
 
 
 def steady_errors(
     study: Study,
     kernel: Kernel,
-    tuned: FittedModel,
+    tuned: JointFit,
     series: Sequence[Series],
     steady: Mapping[str, Steady],
 ) -> dict[str, float]:

@@ -10,7 +10,7 @@ import numpy as np
 from ..fitting import Series
 from ..fitting.joint_fit import AT_BOUND
 from .bounds import bound_sides, one_sided, parameter_of
-from .joint_fit import FittedModel
+from .joint_fit import JointFit
 
 TURN_COEFFICIENTS = ("C_Da", "C_La", "C_Ma", "C_Md")
 """Coefficients that only turns determine."""
@@ -38,7 +38,7 @@ def count_turning_trials(series: Sequence[Series]) -> int:
     return sum(not all_straight([s]) for s in series)
 
 
-def depends_on_one_trial(tuned: FittedModel) -> bool:
+def depends_on_one_trial(tuned: JointFit) -> bool:
     """Whether some number that acts at an angle of attack is determined by one trial alone."""
     held = bound_sides(tuned.fit)
     return any(
@@ -47,7 +47,7 @@ def depends_on_one_trial(tuned: FittedModel) -> bool:
     )
 
 
-def fit_outcome(tuned: FittedModel, series: Sequence[Series]) -> str:
+def fit_outcome(tuned: JointFit, series: Sequence[Series]) -> str:
     """The joint fit's outcome; of numbers at a bound whether the data ask for more than is
     plausible, or whether they only say too little of them.
     """
@@ -67,7 +67,7 @@ def fit_outcome(tuned: FittedModel, series: Sequence[Series]) -> str:
     return tuned.fit.outcome
 
 
-def _consistent_with_start(tuned: FittedModel) -> list[int]:
+def _consistent_with_start(tuned: JointFit) -> list[int]:
     """Numbers at a bound that may as well have their usual value: the start of fits, which lies
     in their one-sided interval.
     """

@@ -16,10 +16,10 @@ from ..fitting import Series, conditional_response, normal_equations, off_bounds
 from ..fitting.sandwich import MAX_SINGLE_TRIAL_SHARE
 from ..integrate import compiled
 from ..model import plates
-from .joint_fit import FittedModel
+from .joint_fit import JointFit
 
 
-def step_sensitivity(series: Sequence[Series], later: FittedModel, earlier: FittedModel) -> Float:
+def step_sensitivity(series: Sequence[Series], later: JointFit, earlier: JointFit) -> Float:
     """G (p, q): response of the later fit, of these trials, to the earlier one's q numbers."""
     kernel, p = compiled(plates()), len(later.fit.values)
     out = np.zeros((p, len(earlier.fit.values)))
@@ -32,9 +32,7 @@ def step_sensitivity(series: Sequence[Series], later: FittedModel, earlier: Fitt
     return out
 
 
-def with_step_covariance(
-    later: FittedModel, earlier: FittedModel, sensitivity: Float
-) -> FittedModel:
+def with_step_covariance(later: JointFit, earlier: JointFit, sensitivity: Float) -> JointFit:
     """The later fit with the earlier one's covariance in its own, sensitivity = G.
 
     Degrees of freedom of a sum of two variances by Satterthwaite, v^2 / f = v1^2 / f1 + v2^2 / f2;

@@ -10,7 +10,7 @@ import numpy as np
 from ..fitting import Series
 from ..study import Setup
 from .identify import Combination, by_name, parameter_scales, spectrum
-from .joint_fit import FittedModel
+from .joint_fit import JointFit
 from .new_trial import NewTrial, c_optimal_trial
 from .turning_trials import TURN_COEFFICIENTS, all_straight
 
@@ -19,7 +19,7 @@ MAX_REMAINING_STD = 0.8
 
 
 def undetermined_combinations(
-    series: Sequence[Series], tuned: FittedModel, setup: Setup
+    series: Sequence[Series], tuned: JointFit, setup: Setup
 ) -> list[dict[str, Any]]:
     """Combinations that the data do not determine: in words, and which trial would.
 
@@ -103,7 +103,7 @@ def _combined_numbers_sentence(parts: Mapping[str, float]) -> str:
     )
 
 
-def _repeat_that_trial(series: Sequence[Series], tuned: FittedModel, one: Combination) -> str:
+def _repeat_that_trial(series: Sequence[Series], tuned: JointFit, one: Combination) -> str:
     """Advice to repeat the trial that alone determines a combination."""
     if np.isfinite(one.std) or not np.isfinite(one.naive) or len(series) < 2:
         return ""

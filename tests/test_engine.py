@@ -335,3 +335,12 @@ def test_evidence_is_taken_at_the_better_fit_of_a_set() -> None:
         whole, fit_set(whole, ("quadratic_drag",), good.model.noise, start, iterations=0)
     )
     assert good.log_joint > poor.log_joint + 5.0
+    assert good.log_posterior > poor.log_posterior + 4.0
+
+
+def test_evidence_is_not_extrapolated_along_a_slope_at_the_fit() -> None:
+    """With held gains a fit rests where the likelihood still has a slope that no refit follows."""
+    whole = driven_mass_problem(driven_mass_trials(0.3, 0.0))
+    fitted = search_sets(whole).sets[frozenset({"quadratic_drag"})]
+    gradient = fitted.expansion.gradient.sum(axis=0)[list(fitted.expansion.own)]
+    assert np.abs(gradient[~fitted.model.at_bound]).max() < 1e-6

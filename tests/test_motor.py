@@ -12,10 +12,10 @@ from bluekoi.errors import InputError
 from bluekoi.motor import (
     clock_ratio,
     common_clock_ratio,
+    deviates_from_common_clock,
     flapping_compared_with_video,
     flapping_from_log,
     flapping_from_stated_frequency,
-    has_other_clock,
     log_lead_from_beat_phases,
     read_log,
     tail_beat_from_video,
@@ -325,9 +325,9 @@ def test_trials_agree_on_a_ratio_only_by_majority():
     assert common_clock_ratio([*four, flapping_with_ratio(1.0)])[0] == pytest.approx(4.0, abs=1e-3)
     assert common_clock_ratio([flapping_with_ratio(4.0), flapping_with_ratio(1.0)]) is None
     assert common_clock_ratio([flapping_with_ratio(4.0), flapping_with_ratio(float("nan"))]) is None
-    assert has_other_clock(flapping_with_ratio(1.0), (4.0, 0.001))
-    assert not has_other_clock(flapping_with_ratio(4.0), (4.0, 0.001))
-    assert has_other_clock(flapping_with_ratio(4.0), None)
+    assert deviates_from_common_clock(flapping_with_ratio(1.0), (4.0, 0.001))
+    assert not deviates_from_common_clock(flapping_with_ratio(4.0), (4.0, 0.001))
+    assert deviates_from_common_clock(flapping_with_ratio(4.0), None)
 
 
 def test_given_frequency():

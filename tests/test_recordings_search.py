@@ -10,7 +10,7 @@ import pytest
 from scipy.signal import butter, filtfilt
 
 from bluekoi.explain import (
-    Explanation,
+    CauseSearchResult,
     Trial,
     explain,
     load_model,
@@ -24,12 +24,12 @@ EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 pytestmark = pytest.mark.recordings
 
 
-def search_recording(name: str, folder: Path, **options) -> Explanation:
+def search_recording(name: str, folder: Path, **options) -> CauseSearchResult:
     model = load_model(EXAMPLES / name / "model.py")
     return explain(model, read_trials(model, folder), **options)
 
 
-def named_causes(found: Explanation) -> set[str]:
+def named_causes(found: CauseSearchResult) -> set[str]:
     return {c.name for c in found.named}
 
 

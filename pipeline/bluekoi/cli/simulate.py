@@ -75,7 +75,7 @@ def simulate(
     with progress_notice("simulating (the first time on a machine the model is compiled)"):
         run = _simulate_path(fit, setup, length, commands, lasts)
     if schedule is not None or manoeuvre is not None:
-        _print_path(run)
+        _print_distance_and_turn(run)
     _save_path(run, commands, setup, length, out=out, picture=picture)
     for sentence in _warnings(fit, run, commands, power_pct):
         click.echo(f"Warning: {sentence}.", err=True)
@@ -192,7 +192,7 @@ def _simulate_path(
     return simulate_at(fit.values[0], times, inputs, constants(setup, length), start)
 
 
-def _print_path(run: Simulation) -> None:
+def _print_distance_and_turn(run: Simulation) -> None:
     import numpy as np  # noqa: PLC0415
 
     moved = np.hypot(*(run.state[-1, :2] - run.state[0, :2]))

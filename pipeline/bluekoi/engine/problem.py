@@ -8,7 +8,7 @@ from functools import cached_property
 
 from ..data import Float
 from ..fitting import Free, Noise, Series, trial_values
-from ..integrate import Kernel
+from ..integrate import CompiledSystem
 from .candidates import Candidate
 
 MAX_SEARCH_TRIALS = 24
@@ -35,7 +35,7 @@ class Problem:
     law whose formula is not quite right leaves, in its own channels, a force that depends on these.
     """
 
-    kernel: Kernel
+    kernel: CompiledSystem
     series: Sequence[Series]
     base: Float
     coefficients: tuple[Free, ...]

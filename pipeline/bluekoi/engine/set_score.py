@@ -95,15 +95,21 @@ def score_set(problem: Problem, model: FittedSet) -> ScoredSet:
 
 
 def at_optimum(problem: Problem, expansion: Expansion) -> Expansion:
-    """An expansion whose gradient in fitted numbers of the observations alone is 0, as at a fit.
+    """An expansion whose gradient is that of an optimum: 0 in the fitted numbers, and in the fitted
+    discrepancy what its prior balances.
 
-    With the filter's gains held, a number that scales the observations has a gradient that no refit
-    follows: the innovations' covariance would go along.
+    With the filter's gains held, the likelihood has a slope that no refit follows, since the gains
+    and the innovations' covariance would go along. Evidence extrapolated along it is not real.
     """
-    seen = {e.name for e in problem.kernel.system.effects if set(e.hooks) == {"observe"}}
     model = expansion.model
-    own = [k for k, (f, held) in enumerate(zip(model.fit.free, model.at_bound, strict=True))
-           if not held and f.name.partition(".")[0] in seen]  # fmt: skip
     gradient = expansion.gradient.copy()
-    gradient[:, own] -= gradient[:, own].mean(axis=0)
+    wanted = {k: 0.0 for k, held in enumerate(model.at_bound) if not held}
+    for name, columns in expansion.strengths.items():
+        for free, column in zip(problem.by_name[name].strengths, columns, strict=True):
+            if free.label in model.deviations:
+                std = model.deviations[free.label]
+                wanted[column] = model.discrepancy.get(free.label, 0.0) / std**2
+    own = list(wanted)
+    excess = gradient[:, own].sum(axis=0) - np.array(list(wanted.values()))
+    gradient[:, own] -= excess / len(gradient)
     return replace(expansion, gradient=gradient)

@@ -12,7 +12,7 @@ probability, their numbers, and how well the model predicts conditions left out 
 """
 
 from ..integrate import Parameter, Stage
-from .explanation import Explanation, explain
+from .cause_search import CauseSearchResult, explain
 from .folder import read_trials
 from .model import Cause, Constant, Input, Model, Observation, State
 from .model_file import load_model
@@ -23,8 +23,8 @@ from .trials import Trial
 
 __all__ = [
     "Cause",
+    "CauseSearchResult",
     "Constant",
-    "Explanation",
     "Input",
     "Model",
     "Observation",

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..engine import FittedSet
 from ..fitting import cluster_covariance, inverse_fisher
-from ..integrate import Kernel
+from ..integrate import CompiledSystem
 
 SINGLE_TRIAL_VARIANCE_FACTOR = 2.0
 """A number that one trial alone informs on: its naive variance counts twice."""
@@ -28,7 +28,7 @@ class Number:
     at_bound: str = ""
 
 
-def fitted_numbers(kernel: Kernel, model: FittedSet) -> list[Number]:
+def fitted_numbers(kernel: CompiledSystem, model: FittedSet) -> list[Number]:
     """The numbers of a fitted set; a covariance that diverges leaves them without deviations."""
     move = ~model.at_bound
     std = np.full(len(move), np.nan)

@@ -11,8 +11,9 @@ from ..data import Float
 from ..engine.naming import UNEXPLAINED
 from ..fitting import Noise, Series, filter_series, free_runs
 from ..fitting.filtering import with_noise
-from ..integrate import Kernel
+from ..integrate import CompiledSystem
 from ..integrate.batch import in_lanes, propagate
+from .cause_search import CauseSearchResult, test_series
 from .comparison import (
     PREDICTION_ERRORS,
     Fitted,
@@ -21,7 +22,6 @@ from .comparison import (
     refit_to_other_trials,
     rms_errors,
 )
-from .explanation import Explanation, test_series
 from .model import Model
 from .trials import Trial, validated_trials
 
@@ -64,7 +64,7 @@ START_FITTED, START_ESTIMATED = "start fitted", "start from the first seconds"
 
 
 def predict(
-    found: Explanation, trials: Sequence[Trial], *, known_s: float = DEFAULT_KNOWN_S
+    found: CauseSearchResult, trials: Sequence[Trial], *, known_s: float = DEFAULT_KNOWN_S
 ) -> Predicted:
     """`Predicted` for trials that the model was not fitted to."""
     model = found.model
@@ -87,7 +87,7 @@ def predict(
                      tuple(messages))  # fmt: skip
 
 
-def without_site_causes(found: Explanation, site: Sequence[str]) -> Fitted:
+def without_site_causes(found: CauseSearchResult, site: Sequence[str]) -> Fitted:
     """The extended model with the strengths of site-specific causes at 0."""
     one = found.extended
     off = {f.label for c in site for f in found.prepared.problem.by_name[c].strengths}
@@ -96,13 +96,13 @@ def without_site_causes(found: Explanation, site: Sequence[str]) -> Fitted:
     return replace(one, fit=replace(one.fit, values=values))
 
 
-def _unfitted_group_sentences(found: Explanation, series: Sequence[Series]) -> list[str]:
+def _unfitted_group_sentences(found: CauseSearchResult, series: Sequence[Series]) -> list[str]:
     known = {f.group for f in found.extended.fit.free if f.group is not None}
     new = sorted({s.group for s in series} - known) if known else []
     return [f"Group '{g}' was not fitted: its coefficients are at their start values." for g in new]
 
 
-def predict_left_out(found: Explanation, *, known_s: float = DEFAULT_KNOWN_S) -> Predicted:
+def predict_left_out(found: CauseSearchResult, *, known_s: float = DEFAULT_KNOWN_S) -> Predicted:
     """`Predicted` for the fitted trials, each condition by models fitted to the others."""
     problem, model = found.prepared.problem, found.model
     series = list(problem.series)
@@ -144,7 +144,7 @@ def _has_run_away(run: Run) -> bool:
 
 @np.errstate(all="ignore")
 def _simulate_trials(
-    found: Explanation, one: Fitted, series: Sequence[Series], known_s: float
+    found: CauseSearchResult, one: Fitted, series: Sequence[Series], known_s: float
 ) -> list[Run]:
     problem, model = found.prepared.problem, found.model
     values = one.values(problem, series)
@@ -173,7 +173,9 @@ def in_first_seconds(one: Series, known_s: float) -> np.ndarray:
     return np.asarray(one.times <= first + known_s)
 
 
-def forecast(kernel: Kernel, one: Series, values: Float, noise: Noise, known_s: float) -> Float:
+def forecast(
+    kernel: CompiledSystem, one: Series, values: Float, noise: Noise, known_s: float
+) -> Float:
     """Observations (n, observations) predicted from the first `known_s` seconds of a trial by the
     filter, lasting errors and all.
     """

@@ -13,7 +13,7 @@ from ..engine import Problem, candidates_of
 from ..engine.candidates import RESIDUAL
 from ..fitting import Free, Noise, Series, filter_all, trial_values
 from ..fitting.filtering import disturbance_slots
-from ..integrate import Kernel, compiled
+from ..integrate import CompiledSystem, compiled
 from .diagnosis import divergence_error
 from .model import Model
 from .sampling import MIN_SAMPLES_PER_BLOCK, block_rate_hz
@@ -146,7 +146,7 @@ def fit_rate_hz(model: Model, trials: Sequence[Trial]) -> float:
     return block_rate_hz([t.times for t in trials], rate)
 
 
-def initial_noise(kernel: Kernel, series: Sequence[Series], base: Float) -> Noise | None:
+def initial_noise(kernel: CompiledSystem, series: Sequence[Series], base: Float) -> Noise | None:
     """Initial estimate of the random part: the likeliest of `INITIAL_RANDOM_FORCES`,
     errors that last as large as the stated ones. None where the model runs away with all of them.
     """
@@ -175,7 +175,12 @@ def initial_noise(kernel: Kernel, series: Sequence[Series], base: Float) -> Nois
 
 
 def max_rate_per_s(
-    kernel: Kernel, series: Sequence[Series], base: Float, *, noise: Noise, names: Sequence[str]
+    kernel: CompiledSystem,
+    series: Sequence[Series],
+    base: Float,
+    *,
+    noise: Noise,
+    names: Sequence[str],
 ) -> float:
     """Rate (1/s) of the fastest model, bare or with one of the candidates at its plausible size."""
     system = kernel.system

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..engine import NamedCause
 from ..engine.naming import UNEXPLAINED
-from .explanation import Explanation
+from .cause_search import CauseSearchResult
 from .numbers import Number
 from .prediction import Predicted
 
@@ -20,7 +20,7 @@ MAX_NOISE_FLOOR_RATIO = 1.5
 """Ratio of errors of free runs to the noise floor above which they are reported as excessive."""
 
 
-def explanation_json(found: Explanation) -> dict[str, Any]:
+def explanation_json(found: CauseSearchResult) -> dict[str, Any]:
     """Verdict, causes, probabilities, held-out errors, warnings; None where unknown."""
     held = found.held_out
     return {
@@ -57,7 +57,7 @@ def explanation_json(found: Explanation) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def verdict_sentence(found: Explanation) -> str:
+def verdict_sentence(found: CauseSearchResult) -> str:
     """The verdict in a sentence or two."""
     if found.verdict == "none" and (excess := error_over_floor(found)) > MAX_NOISE_FLOOR_RATIO:
         return (
@@ -74,7 +74,7 @@ def verdict_sentence(found: Explanation) -> str:
     return " ".join(said)
 
 
-def error_over_floor(found: Explanation) -> float:
+def error_over_floor(found: CauseSearchResult) -> float:
     """Largest ratio of the error of free runs of the baseline to the noise floor; 0 unknown."""
     held = found.held_out
     ratios = [held.baseline[n] / floor for n, floor in held.noise_floor.items()
@@ -82,12 +82,12 @@ def error_over_floor(found: Explanation) -> float:
     return max(ratios, default=0.0)
 
 
-def causes_json(found: Explanation) -> list[dict[str, Any]]:
+def causes_json(found: CauseSearchResult) -> list[dict[str, Any]]:
     """The named causes with their numbers."""
     return [_cause_json(found, c) for c in found.named]
 
 
-def _cause_json(found: Explanation, named: NamedCause) -> dict[str, Any]:
+def _cause_json(found: CauseSearchResult, named: NamedCause) -> dict[str, Any]:
     cause = found.model.by_name[named.name]
     effect = found.prepared.assembly.system.effect(named.name)
     own = [n for n in found.numbers if n.label.startswith(named.name + ".")]
@@ -106,7 +106,7 @@ def _cause_json(found: Explanation, named: NamedCause) -> dict[str, Any]:
     }
 
 
-def rivals_json(found: Explanation) -> list[dict[str, Any]]:
+def rivals_json(found: CauseSearchResult) -> list[dict[str, Any]]:
     """Candidates that may act in the place of a named cause, or beside the named ones."""
     return rival_rows(found.named, found.probabilities, partial(_name_or_unexplained, found))
 
@@ -126,18 +126,18 @@ def rival_rows(
     return sorted(out, key=lambda r: -float(r["weight"]))
 
 
-def _name_or_unexplained(found: Explanation, name: str) -> str:
+def _name_or_unexplained(found: CauseSearchResult, name: str) -> str:
     return name if name in found.model.by_name else UNEXPLAINED
 
 
-def residual_term_probabilities(found: Explanation) -> dict[str, float]:
+def residual_term_probabilities(found: CauseSearchResult) -> dict[str, float]:
     """Residual terms with their probabilities, the largest first."""
     rest = {n: p for n, p in found.posterior.inclusion.items()
             if n not in found.model.by_name and p >= MIN_RIVAL_PROBABILITY}  # fmt: skip
     return dict(sorted(rest.items(), key=lambda x: -x[1]))
 
 
-def _sets_json(found: Explanation) -> list[dict[str, Any]]:
+def _sets_json(found: CauseSearchResult) -> list[dict[str, Any]]:
     pairs = zip(found.posterior.probability, found.posterior.sets, strict=True)
     best = found.posterior.best.log_posterior
     return [

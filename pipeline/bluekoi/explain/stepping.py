@@ -8,7 +8,7 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import FilterResults, Noise, Series, filter_all
-from ..integrate import LANES, Kernel
+from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import in_lanes, propagate
 
 RATE_INTERVAL_S, STATE_DIFFERENCE = 1e-6, 1e-4
@@ -24,7 +24,9 @@ MAX_LOG_LIKELIHOOD_CHANGE = 0.5
 """Log likelihood that a step of half the length may change."""
 
 
-def fastest_rates_per_s(kernel: Kernel, passes: FilterResults, values: Sequence[Float]) -> Float:
+def fastest_rates_per_s(
+    kernel: CompiledSystem, passes: FilterResults, values: Sequence[Float]
+) -> Float:
     """Largest |eigenvalue| (states visited,), 1/s, of the model's own states along trials."""
     out = []
     each = max(1, MAX_LINEARISED_STATES // max(len(passes), 1))
@@ -40,7 +42,7 @@ def fastest_rates_per_s(kernel: Kernel, passes: FilterResults, values: Sequence[
 
 
 def jacobians(
-    kernel: Kernel, one: Series, states: Float, values: Float, frames: np.ndarray
+    kernel: CompiledSystem, one: Series, states: Float, values: Float, frames: np.ndarray
 ) -> Float:
     """Slopes (frames, own states, own states) of the rates of change by the model's own states."""
     own = len(kernel.system.states)
@@ -68,7 +70,11 @@ def longest_step_s(rate_per_s: float) -> float:
 
 
 def step_error(
-    coarse: Kernel, fine: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
+    coarse: CompiledSystem,
+    fine: CompiledSystem,
+    series: Sequence[Series],
+    values: Sequence[Float],
+    noise: Noise,
 ) -> float:
     """Change of the log likelihood by a finer integration step."""
     both = [sum(f.log_likelihood for f in filter_all(k, series, values, noise))

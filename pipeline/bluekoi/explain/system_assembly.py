@@ -17,7 +17,7 @@ from ..engine import Priors
 from ..engine.candidates import RESIDUAL, Sources
 from ..files import write_text
 from ..integrate import Effect, Parameter, System, kernel_folder
-from ..integrate.kernel import load_source
+from ..integrate.compiled_system import load_source
 from .model import OBSERVE_STAGE, Cause, Model, arguments, channels_of, variables_of
 
 RANDOM_FORCE, COLOURED_ERROR = "random_force", "lasting_error"

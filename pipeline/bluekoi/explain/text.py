@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from .explanation import Explanation
+from .cause_search import CauseSearchResult
 from .model import Model
 from .numbers import Number
 from .prediction import Predicted
@@ -19,7 +19,7 @@ def markdown_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
 
 
-def summary(found: Explanation) -> str:
+def summary(found: CauseSearchResult) -> str:
     """Verdict, causes with their numbers, probabilities, held-out errors and warnings."""
     parts = [f"{found.model.name}: {found.verdict}", verdict_sentence(found)]
     if found.named:
@@ -42,7 +42,7 @@ def summary(found: Explanation) -> str:
     return "\n\n".join(parts)
 
 
-def cause_rows(found: Explanation) -> list[tuple[str, ...]]:
+def cause_rows(found: CauseSearchResult) -> list[tuple[str, ...]]:
     """Named causes: kind, probability, gain in log evidence, numbers, credible set."""
     out: list[tuple[str, ...]] = []
     for c in found.named:
@@ -65,7 +65,7 @@ def number_with_std(number: Number) -> str:
     return f"{label} {number.value:.{digits}f} ± {number.std:.{digits}f} {number.unit}"
 
 
-def coefficient_rows(found: Explanation) -> list[tuple[str, str, str]]:
+def coefficient_rows(found: CauseSearchResult) -> list[tuple[str, str, str]]:
     """The model's own numbers without and with the named causes."""
     extended = {n.label: n for n in found.numbers}
     return [
@@ -74,7 +74,7 @@ def coefficient_rows(found: Explanation) -> list[tuple[str, str, str]]:
     ]
 
 
-def probability_rows(found: Explanation) -> list[tuple[str, str]]:
+def probability_rows(found: CauseSearchResult) -> list[tuple[str, str]]:
     """Every candidate, and an unlisted force, the most probable first."""
     rows = sorted(found.probabilities.items(), key=lambda x: -x[1])
     terms = ", ".join(f"{n} {p:.2f}" for n, p in residual_term_probabilities(found).items())
@@ -82,7 +82,7 @@ def probability_rows(found: Explanation) -> list[tuple[str, str]]:
     return [*((n, f"{p:.3f}") for n, p in rows), ("a force that no candidate describes", last)]
 
 
-def compared_table(found: Explanation) -> tuple[list[str], list[list[str]]]:
+def compared_table(found: CauseSearchResult) -> tuple[list[str], list[list[str]]]:
     """Head and rows of the sets that were asked for."""
     names = list(found.held_out.baseline)
     units = [f"{n}, {unit_of_error(found.model, n)}" for n in names]
@@ -95,7 +95,7 @@ def compared_table(found: Explanation) -> tuple[list[str], list[list[str]]]:
     return ["set", "log posterior, less the best", "size", "fitted to", *units], rows
 
 
-def error_rows(found: Explanation) -> list[tuple[str, ...]]:
+def error_rows(found: CauseSearchResult) -> list[tuple[str, ...]]:
     """Held-out errors in the model's units."""
     held = found.held_out
     return [(f"{n}, {unit_of_error(found.model, n)}", *(f"{e.get(n, np.nan):.4g}" for e in

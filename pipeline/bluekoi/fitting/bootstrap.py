@@ -8,15 +8,15 @@ from dataclasses import replace
 import numpy as np
 
 from ..data import Float
-from ..integrate import LANES, Kernel
+from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import propagate
 from .filtering import disturbance_slots, with_noise
 from .series import Noise, Series, padded_arrays
 
 
 def parametric_bootstrap(  # noqa: PLR0917
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noises: Sequence[Noise],
-    starts: Float, rng: np.random.Generator,
+    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float],
+    noises: Sequence[Noise], starts: Float, rng: np.random.Generator,
 ) -> list[Series]:  # fmt: skip
     """Trials from `starts` (trials, states), their observations drawn again at random.
 

@@ -10,7 +10,7 @@ from typing import overload
 import numpy as np
 
 from ..data import Float
-from ..integrate import Effect, Kernel, System
+from ..integrate import CompiledSystem, Effect, System
 from ..integrate.batch import active_effects, threaded_map
 from .series import Noise, Series, padded_arrays
 
@@ -104,13 +104,13 @@ class FilterResults(Sequence[Filtered]):
                          for f in self.each])  # fmt: skip
 
 
-def filter_series(kernel: Kernel, series: Series, values: Float, noise: Noise) -> Filtered:
+def filter_series(kernel: CompiledSystem, series: Series, values: Float, noise: Noise) -> Filtered:
     """`Filtered` of one trial for a full parameter vector `(parameters,)`."""
     return _filter_trial(kernel, series, values, _noise_arrays(kernel, noise))
 
 
 def filter_all(
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
+    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> FilterResults:
     """`filter_series` for every trial with its own parameter vector, on all cores."""
     jobs, shared = list(zip(series, values, strict=True)), _noise_arrays(kernel, noise)
@@ -130,7 +130,7 @@ class _NoiseArrays:
     scales: Float
 
 
-def _noise_arrays(kernel: Kernel, noise: Noise) -> _NoiseArrays:
+def _noise_arrays(kernel: CompiledSystem, noise: Noise) -> _NoiseArrays:
     count = len(kernel.system.all_states)
     variance, memory = np.zeros(count), np.ones(count)
     slots = np.array(disturbance_slots(kernel)[: len(noise.disturbance)], dtype=int)
@@ -139,7 +139,9 @@ def _noise_arrays(kernel: Kernel, noise: Noise) -> _NoiseArrays:
     return _NoiseArrays(noise, variance, memory, slots, np.full(count, STATE_DIFFERENCE), scales)
 
 
-def _filter_trial(kernel: Kernel, series: Series, values: Float, shared: _NoiseArrays) -> Filtered:
+def _filter_trial(
+    kernel: CompiledSystem, series: Series, values: Float, shared: _NoiseArrays
+) -> Filtered:
     n, s, o = len(series.times), len(kernel.system.all_states), len(kernel.system.observations)
     shapes = ((n, s, o), (n, o, o), (n, s, s), (n, s), (n, s), (n, s, s), (n, s, s), (n, o))
     gains, roots, transitions, predicted, filtered, cov_p, cov_f, innovations = map(
@@ -172,7 +174,7 @@ def smooth(result: Filtered) -> tuple[Float, Float]:
     return mean, cov
 
 
-def disturbance_slots(kernel: Kernel, *, acting: bool = False) -> list[int]:
+def disturbance_slots(kernel: CompiledSystem, *, acting: bool = False) -> list[int]:
     """Places of the random states in the state vector; of those alone that push, where `acting`."""
     return [
         kernel.system.all_states.index(s)
@@ -182,12 +184,12 @@ def disturbance_slots(kernel: Kernel, *, acting: bool = False) -> list[int]:
     ]
 
 
-def random_effects(kernel: Kernel) -> list[Effect]:
+def random_effects(kernel: CompiledSystem) -> list[Effect]:
     """The system's random parts, in the order of their states."""
     return [e for e in kernel.system.effects if e.kind == "disturbance"]
 
 
-def with_noise(kernel: Kernel, values: Float, noise: Noise) -> Float:
+def with_noise(kernel: CompiledSystem, values: Float, noise: Noise) -> Float:
     """`values` (parameters, ...) with the random parts of `noise` switched on, as a copy.
 
     A random effect's parameters are `present` and then a memory for all its states, or one each.

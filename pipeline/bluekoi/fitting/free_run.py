@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..integrate import LANES, Kernel
+from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import propagate, run_in_threads
 from .gram import set_products
 from .series import Series, observations_and_weights, padded_arrays
@@ -33,7 +33,7 @@ class FreeRun:
 
 
 def free_runs(
-    kernel: Kernel,
+    kernel: CompiledSystem,
     series: Sequence[Series],
     values: Sequence[Float],
     *,
@@ -73,7 +73,7 @@ class _PaddedRuns:
     the first `count` are open.
     """
 
-    kernel: Kernel
+    kernel: CompiledSystem
     values: Float
     constants: Float
     times: Float
@@ -116,7 +116,7 @@ class _PaddedRuns:
 
 
 def _padded_runs(
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], count: int
+    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], count: int
 ) -> _PaddedRuns:
     frames, seen, weight = observations_and_weights(series)
     lanes = [np.repeat(np.array(rows)[:, :, None], LANES, axis=2)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..integrate import Kernel
+from ..integrate import CompiledSystem
 from .filtering import FilterResults
 from .normal import Normal, normal_equations, slots_by_name
 from .series import Free, Noise, Series
@@ -53,9 +53,10 @@ class Fit:
 
 
 def fit(
-    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], noise: Noise, *,
-    start: Mapping[str, float] | None = None, iterations: int = 25, tolerance: float = 1e-3,
-    predictor: FilterResults | None = None, spreads: Mapping[str, float] | None = None,
+    kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free],
+    noise: Noise, *, start: Mapping[str, float] | None = None, iterations: int = 25,
+    tolerance: float = 1e-3, predictor: FilterResults | None = None,
+    spreads: Mapping[str, float] | None = None,
 ) -> Fit:  # fmt: skip
     """Levenberg-Marquardt on the prediction errors, within the parameters' bounds.
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..integrate import LANES, Kernel
+from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import active_effects, propagate, run_in_threads
 from .filtering import (
     STATE_DIFFERENCE,
@@ -62,7 +62,7 @@ class LinearisedFilter:
 
 @np.errstate(over="ignore", invalid="ignore")  # a model that diverges has no likelihood
 def linearised(
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise,
+    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise,
     passes: FilterResults | None = None,
 ) -> LinearisedFilter:  # fmt: skip
     """`LinearisedFilter` along the filter's pass with this noise, made here unless given."""
@@ -144,7 +144,7 @@ def _noise_arrays(linear: LinearisedFilter, noise: Noise) -> tuple[Float, Float,
 
 
 def _observations_and_slopes(
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise, *,
+    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise, *,
     passed: Sequence[Filtered], active: np.ndarray,
 ) -> tuple[Float, Float]:  # fmt: skip
     """What each predicted state shows (t, n, o), and its slopes H (t, n, o, a)."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..integrate import LANES, Kernel
+from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import propagate
 from .filtering import FilterResults, disturbance_slots, filter_all, smooth, with_noise
 from .series import Noise, Series
@@ -29,7 +29,7 @@ class MissingForce:
 
 
 def missing_force(
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
+    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> list[MissingForce]:
     """`MissingForce` of every trial around a fitted model."""
     slots = disturbance_slots(kernel, acting=True)
@@ -42,7 +42,7 @@ def missing_force(
 
 
 def added_force(
-    kernel: Kernel,
+    kernel: CompiledSystem,
     series: Sequence[Series],
     on: Sequence[Float],
     off: Sequence[Float],
@@ -69,7 +69,7 @@ def added_force(
 
 
 def rms_forces(
-    kernel: Kernel, passes: FilterResults, points: Sequence[Float],
+    kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float],
     changes: Sequence[Sequence[Float]], noise: Noise,
 ) -> Float:  # fmt: skip
     """Root mean square (changes, channels), over all frames of all trials, of the force by which
@@ -96,7 +96,7 @@ def rms_forces(
 
 
 def _forces_of_changes(
-    kernel: Kernel, state: Float, base: Float, changed: Sequence[Float], *, times: Float,
+    kernel: CompiledSystem, state: Float, base: Float, changed: Sequence[Float], *, times: Float,
     inputs: Float, constants: Float,
 ) -> Float:  # fmt: skip
     """Force (n, channels, changes) at n states by which changed parameters (n, parameters) differ

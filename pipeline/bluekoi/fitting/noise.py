@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from ..data import Float
-from ..integrate import Kernel, Parameter, System
+from ..integrate import CompiledSystem, Parameter, System
 from .filtering import FilterResults, filter_all
 from .linear import (
     LinearisedFilter,
@@ -36,8 +36,9 @@ class FittedNoise:
 
 
 def fit_noise(
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise, *, rounds: int
-    = 2, max_trials: int = 12, line_searches: bool = True, passes: FilterResults | None = None,
+    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise, *,
+    rounds: int = 2, max_trials: int = 12, line_searches: bool = True,
+    passes: FilterResults | None = None,
 ) -> FittedNoise:  # fmt: skip
     """Random forces, correlated tracking errors and white noise of maximum likelihood.
 
@@ -83,7 +84,7 @@ def fit_noise(
 
 
 def _negative_log_likelihood(
-    kernel: Kernel, linear: LinearisedFilter, noise: Noise, estimated: Sequence[int]
+    kernel: CompiledSystem, linear: LinearisedFilter, noise: Noise, estimated: Sequence[int]
 ) -> tuple[float, Float]:
     """Negative log likelihood and its gradient in the logarithms of the estimated strengths."""
     slopes = log_likelihood_gradient(linear, noise)
@@ -108,7 +109,7 @@ def _or_diverged(likelihood: float) -> float:
     return likelihood if np.isfinite(likelihood) else LOG_LIKELIHOOD_IF_DIVERGED
 
 
-def _log_gradient(kernel: Kernel, noise: Noise, slopes: NoiseGradient) -> Float:
+def _log_gradient(kernel: CompiledSystem, noise: Noise, slopes: NoiseGradient) -> Float:
     """Slopes by the logs of `_noise_vector`: sigma goes with 1 / sqrt(tau); 0 out of a bound."""
     count, own = len(noise.disturbance), slopes.disturbance * noise.disturbance
     tau = np.zeros(count)
@@ -143,7 +144,7 @@ def _noise_vector(noise: Noise) -> Float:
     return np.concatenate([noise.disturbance * np.sqrt(noise.tau), noise.tau, noise.scale])
 
 
-def _estimated_indices(kernel: Kernel, noise: Noise) -> list[int]:
+def _estimated_indices(kernel: CompiledSystem, noise: Noise) -> list[int]:
     """Places in `_noise_vector`: strengths, correlation times and scales."""
     count = len(noise.disturbance)
     used = [k for k in range(count) if noise.disturbance[k] > 0]
@@ -151,7 +152,7 @@ def _estimated_indices(kernel: Kernel, noise: Noise) -> list[int]:
     return [*used, *times, *(2 * count + k for k in range(min(3, len(noise.scale))))]
 
 
-def _correlation_times(kernel: Kernel, count: int) -> dict[int, tuple[int, Parameter]]:
+def _correlation_times(kernel: CompiledSystem, count: int) -> dict[int, tuple[int, Parameter]]:
     """Random state with a correlation time -> how many states share it, and its parameter."""
     return {k: v for k, v in _all_correlation_times(kernel.system).items() if k < count}
 
@@ -168,7 +169,9 @@ def _all_correlation_times(system: System) -> dict[int, tuple[int, Parameter]]:
     return out
 
 
-def _with_estimates(kernel: Kernel, noise: Noise, estimated: Sequence[int], found: Float) -> Noise:
+def _with_estimates(
+    kernel: CompiledSystem, noise: Noise, estimated: Sequence[int], found: Float
+) -> Noise:
     flat, count = _noise_vector(noise), len(noise.disturbance)
     flat[list(estimated)] = found
     tau = flat[count : 2 * count].copy()

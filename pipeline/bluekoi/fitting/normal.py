@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..integrate import Kernel
+from ..integrate import CompiledSystem
 from .filtering import FilterResults, filter_all
 from .predictions import ParameterChange, whitened_products
 from .series import Free, Noise, Series
@@ -39,7 +39,7 @@ class Normal:
 
 
 def trial_values(
-    kernel: Kernel, base: Float, free: Sequence[Free], values: Float, group: str
+    kernel: CompiledSystem, base: Float, free: Sequence[Free], values: Float, group: str
 ) -> Float:
     """Full parameter vector of a trial of `group`: `base` with the free numbers put in."""
     out = base.copy()
@@ -50,15 +50,15 @@ def trial_values(
     return out
 
 
-def slots_by_name(kernel: Kernel) -> dict[str, int]:
+def slots_by_name(kernel: CompiledSystem) -> dict[str, int]:
     """Place of every parameter by name."""
     return kernel.system.slot
 
 
 @np.errstate(over="ignore", invalid="ignore")  # `Normal.usable` is False for a model that diverges
 def normal_equations(
-    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], values: Float, *,
-    noise: Noise, predictor: FilterResults | None = None,
+    kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free],
+    values: Float, *, noise: Noise, predictor: FilterResults | None = None,
     spreads: Mapping[str, float] | None = None,
 ) -> Normal:  # fmt: skip
     """Normal equations at a point, from one filter pass and one batch of perturbed predictions.
@@ -90,7 +90,7 @@ def normal_equations(
 
 
 def trial_effect_changes(
-    kernel: Kernel, points: Sequence[Float], noise: Noise
+    kernel: CompiledSystem, points: Sequence[Float], noise: Noise
 ) -> list[ParameterChange]:
     """Differences in the parameters that vary from trial to trial."""
     every, slots = np.ones(len(points), dtype=bool), slots_by_name(kernel)
@@ -106,7 +106,7 @@ def trial_effect_changes(
     return out
 
 
-def trial_effect_stds(kernel: Kernel, points: Sequence[Float], noise: Noise) -> Float:
+def trial_effect_stds(kernel: CompiledSystem, points: Sequence[Float], noise: Noise) -> Float:
     """Standard deviations (trials, effects) of the parameters that vary from trial to trial."""
     slots, at = slots_by_name(kernel), np.array(points)
     columns = [e.std * (np.abs(at[:, slots[e.parameter]]) if e.relative else np.ones(len(at)))
@@ -134,7 +134,7 @@ def marginal_products(products: Float, stds: Float) -> tuple[Float, Float]:
 
 
 def prior_terms(
-    kernel: Kernel, free: Sequence[Free], values: Float, trials: int,
+    kernel: CompiledSystem, free: Sequence[Free], values: Float, trials: int,
     spreads: Mapping[str, float] | None = None,
 ) -> Normal:  # fmt: skip
     """What is plausible before any data (`Parameter.spread` about `start`, or `spreads` about 0 by
@@ -155,7 +155,7 @@ def prior_terms(
 
 @np.errstate(over="ignore", invalid="ignore")
 def log_likelihoods(
-    kernel: Kernel,
+    kernel: CompiledSystem,
     points: Sequence[Float],
     *,
     noise: Noise,
@@ -169,7 +169,7 @@ def log_likelihoods(
     return predictor.log_lik_const - 0.5 * errors[:, 0, 0]
 
 
-def difference_step(kernel: Kernel, free: Free, value: float) -> float:
+def difference_step(kernel: CompiledSystem, free: Free, value: float) -> float:
     """Size of the difference in a free number, away from its upper bound."""
     parameter = kernel.system.parameters[slots_by_name(kernel)[free.name]]
     span = max(abs(value), 0.05 * abs(parameter.start), 1e-6)

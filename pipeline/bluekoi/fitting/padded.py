@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..integrate import LANES, Kernel
+from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import MAX_STEP_S
 from .normal import slots_by_name
 from .series import Free, Series, observations_and_weights, padded_arrays
@@ -24,7 +24,7 @@ class PaddedTrials:
     own: for each free number, its place among the parameters and the trials (t,) it stands for.
     """
 
-    kernel: Kernel
+    kernel: CompiledSystem
     base: Float
     own: tuple[tuple[int, np.ndarray], ...]
     least_step: Float
@@ -53,7 +53,11 @@ class PaddedTrials:
 
 
 def padded_trials(
-    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], open_states: int
+    kernel: CompiledSystem,
+    series: Sequence[Series],
+    base: Float,
+    free: Sequence[Free],
+    open_states: int,
 ) -> PaddedTrials:
     """Trials of a fit side by side.
 

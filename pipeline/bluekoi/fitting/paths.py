@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..integrate import LANES, Kernel
+from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import propagate, run_in_threads
 from .gram import set_products
 from .joint_fit import CONVERGED, STALLED, Fit, damped_step
@@ -67,7 +67,7 @@ NO_BLOCKS = _BlockNormal(*(np.zeros(0) for _ in range(6)))
 
 
 def fit_paths(
-    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], *, start:
+    kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free], *, start:
     Mapping[str, float] | None = None, open_states: int = 6, iterations: int = 40, tolerance: float
     = 1e-3, shares: Sequence[float] = TRIAL_SHARES,
 ) -> PathFit:  # fmt: skip

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..data import Float
-from ..integrate import LANES, Kernel
+from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import propagate, run_in_threads
 from .filtering import MAX_FILTER_STEP_S, FilterResults, with_noise
 from .gram import set_whitened_products
@@ -35,7 +35,7 @@ class ParameterChange:
 
 
 def whitened_products(
-    kernel: Kernel,
+    kernel: CompiledSystem,
     passes: FilterResults,
     points: Sequence[Float],
     changes: Sequence[ParameterChange],
@@ -69,7 +69,7 @@ def whitened_products(
 
 
 def _predicted_observations(
-    kernel: Kernel, passes: FilterResults, values: Float, trials: np.ndarray, noise: Noise
+    kernel: CompiledSystem, passes: FilterResults, values: Float, trials: np.ndarray, noise: Noise
 ) -> Float:
     """Predicted observations (blocks, frames, observations, 16) of the trials of the blocks."""
 

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from ..data import Float
-from ..integrate import Kernel
+from ..integrate import CompiledSystem
 from .joint_fit import Fit, pseudo_inverse
 from .normal import Normal
 from .sandwich import ClusterCovariance
@@ -102,7 +102,7 @@ def _inverse_without_each_trial(total: Float, own: Float, power: float) -> Float
     return (back / share) @ np.swapaxes(back, 1, 2)
 
 
-def off_bounds(kernel: Kernel, found: Fit) -> np.ndarray:
+def off_bounds(kernel: CompiledSystem, found: Fit) -> np.ndarray:
     """Which fitted numbers are off their bounds, (p,)."""
     parameters = [kernel.system.parameters[kernel.system.slot[f.name]] for f in found.free]
     inside = [p.lower < v < p.upper for p, v in zip(parameters, found.values, strict=True)]

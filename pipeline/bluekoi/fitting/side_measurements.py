@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..data import Float
-from ..integrate import Kernel, System
+from ..integrate import CompiledSystem, System
 from ..integrate.system import Function
 from .series import Free, Series, SharedMeasurement
 
@@ -22,7 +22,7 @@ DIFFERENCE_SHARE_OF_RANGE = 1e-4
 
 
 def side_measurement_terms(
-    kernel: Kernel, series: Sequence[Series], free: Sequence[Free], points: Sequence[Float]
+    kernel: CompiledSystem, series: Sequence[Series], free: Sequence[Free], points: Sequence[Float]
 ) -> tuple[Float, Float, Float]:
     """Information (t, p, p), gradient (t, p) and log likelihood (t,) of the side measurements in
     the free numbers; points: full parameter vectors of the trials.

@@ -1,7 +1,7 @@
 """Compiled fixed-step simulation and filtering of any state-space model and its effects."""
 
 from ..vector_width import prefer_widest_vectors
-from .kernel import LANES, Kernel, compiled, kernel_folder
+from .compiled_system import LANES, CompiledSystem, compiled, kernel_folder
 from .system import Effect, Parameter, Stage, System, effect_from_module
 
 prefer_widest_vectors()

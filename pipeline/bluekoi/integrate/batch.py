@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
-from .kernel import LANES, Kernel
+from .compiled_system import LANES, CompiledSystem
 from .system import System
 
 MAX_STEP_S = 1 / 60
@@ -37,7 +37,8 @@ def _active_in_blocks(system: System, values: Float) -> np.ndarray:
 
 
 def propagate(
-    kernel: Kernel, state: Float, values: Float, constants: Float, *, times: Float, inputs: Float,
+    kernel: CompiledSystem, state: Float, values: Float, constants: Float, *, times: Float,
+    inputs: Float,
     frames: np.ndarray | None = None, seen: Float | None = None, gains: Float | None = None,
     keep_states: bool = False, step_s: float | None = None,
 ) -> tuple[Float, Float]:  # fmt: skip

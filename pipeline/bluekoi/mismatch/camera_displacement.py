@@ -20,7 +20,7 @@ import numpy as np
 from ..data import Float
 from ..fitting import Filtered, Noise, Series, filter_all
 from ..fitting.filtering import MAX_FILTER_STEP_S, with_noise
-from ..integrate import LANES, Kernel
+from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import propagate
 
 CAMERA_SHIFT_EFFECT, SHIFT_TIME_NAME, SHIFT_SIZE_NAMES = (
@@ -59,7 +59,7 @@ class CameraDisplacement:
 
 
 def detect_displacements(
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
+    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> list[CameraDisplacement]:
     """The most certain displacement of each trial in which one is more probable than not, around a
     fitted model; trials of fewer than eight frames have none.
@@ -90,7 +90,7 @@ def detect_displacements(
 
 
 def with_displacements(
-    kernel: Kernel, series: Sequence[Series], found: Sequence[CameraDisplacement]
+    kernel: CompiledSystem, series: Sequence[Series], found: Sequence[CameraDisplacement]
 ) -> list[Series]:
     """The trials with the time of their displacement, and its size relative to the most certain."""
     names, known = kernel.system.constants, {d.trial: d for d in found}
@@ -114,7 +114,7 @@ def _tested_times_s(one: Series) -> Float:
 
 
 def _level_shift_glr(
-    kernel: Kernel, one: Series, values: Float, filtered: Filtered, noise: Noise
+    kernel: CompiledSystem, one: Series, values: Float, filtered: Filtered, noise: Noise
 ) -> tuple[Float, Float]:
     """The lambda (moments,) and best displacement (moments, 2) of a trial."""
     moments = _tested_times_s(one)
@@ -132,7 +132,13 @@ def _level_shift_glr(
 
 
 def _predictions_with_displacements(
-    kernel: Kernel, one: Series, values: Float, filtered: Filtered, *, noise: Noise, moments: Float
+    kernel: CompiledSystem,
+    one: Series,
+    values: Float,
+    filtered: Filtered,
+    *,
+    noise: Noise,
+    moments: Float,
 ) -> Float:
     """Predicted observations (n, o, 1 + 2 moments): as fitted, then each moment's displacements."""
     each = (LANES - 1) // 2

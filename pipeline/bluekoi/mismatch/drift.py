@@ -18,7 +18,7 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import Noise, Series, filter_all
-from ..integrate import Kernel
+from ..integrate import CompiledSystem
 from .camera_displacement import DERIVATIVE_STEP_M, PRIOR_PROBABILITY, TAIL_FACTOR
 
 FALSE_ALARM_PROBABILITY = 1e-4
@@ -50,7 +50,7 @@ class Drift:
 
 
 def drifting_trial(
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
+    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> Drift | None:
     """The trial that drifts where the others do not; None for fewer than three trials.
 
@@ -67,7 +67,7 @@ def drifting_trial(
 
 
 def drift_by_trial(
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
+    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> list[Drift]:
     """The likeliest drift of each trial."""
 

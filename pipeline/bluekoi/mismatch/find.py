@@ -32,7 +32,7 @@ from ..fitting import (
     inverse_fisher,
     missing_force,
 )
-from ..integrate import Kernel, compiled
+from ..integrate import CompiledSystem, compiled
 from ..integrate.batch import threaded_map
 from ..model import is_residual, plates
 from ..study import Study
@@ -157,7 +157,7 @@ def find_mismatch(
 
 
 def _camera_displacements_and_drift(
-    kernel: Kernel, series: Sequence[Series], model: JointFit
+    kernel: CompiledSystem, series: Sequence[Series], model: JointFit
 ) -> tuple[list[CameraDisplacement], Drift | None]:
     """Displacements of the camera during a trial, and the trial whose positions drift, if any."""
     fitted = kernel, series, model.trial_values(kernel, series), model.noise
@@ -181,7 +181,9 @@ def with_between_trial_covariance(baseline: JointFit, model: FittedSet) -> Joint
     return JointFit(model.fit, model.noise, cov, baseline.base, df, None)
 
 
-def trajectory_fit(kernel: Kernel, train: Sequence[Series], baseline: JointFit) -> JointFit | None:
+def trajectory_fit(
+    kernel: CompiledSystem, train: Sequence[Series], baseline: JointFit
+) -> JointFit | None:
     """The baseline fitted to whole trajectories, the criterion of the comparison; None where that
     fit diverges.
     """
@@ -192,7 +194,7 @@ def trajectory_fit(kernel: Kernel, train: Sequence[Series], baseline: JointFit) 
 
 def _missing_force_and_dependences(
     study: Study,
-    kernel: Kernel,
+    kernel: CompiledSystem,
     series: Sequence[Series],
     baseline: JointFit,
     extended: JointFit,
@@ -222,13 +224,13 @@ def _missing_force_and_dependences(
     return forces, dependences(series, shown, covariates(series, forces, trials), units)
 
 
-def _is_strength(kernel: Kernel, label: str) -> bool:
+def _is_strength(kernel: CompiledSystem, label: str) -> bool:
     """Whether a number of an effect is a strength, without which the effect is absent."""
     effect = kernel.system.effect(label.split(".", maxsplit=1)[0])
     return label in [f"{effect.name}.{p.name}" for p in effect.parameters[: effect.strengths]]
 
 
-def verdict_of(kernel: Kernel, named: Sequence[NamedCause], unexplained: float) -> str:
+def verdict_of(kernel: CompiledSystem, named: Sequence[NamedCause], unexplained: float) -> str:
     """none, physics, measurement or unexplained: the kind of the cause that explains most."""
     if unexplained > MIN_NAMED_PROBABILITY:
         return UNEXPLAINED
@@ -240,7 +242,7 @@ MAX_RANDOM_FORCE_SHARE = 0.5
 MAX_OVERDISPERSION = 2.0
 
 
-def model_warnings(kernel: Kernel, train: Sequence[Series], best: ScoredSet) -> list[str]:
+def model_warnings(kernel: CompiledSystem, train: Sequence[Series], best: ScoredSet) -> list[str]:
     """Sentences on signs that the model does not describe its trials."""
     out = []
     if (c := best.overdispersion) > MAX_OVERDISPERSION:
@@ -264,7 +266,7 @@ def model_warnings(kernel: Kernel, train: Sequence[Series], best: ScoredSet) -> 
 
 
 def _typical_forces(
-    kernel: Kernel, train: Sequence[Series], best: ScoredSet
+    kernel: CompiledSystem, train: Sequence[Series], best: ScoredSet
 ) -> tuple[float, float, float]:
     """Typical thrust (N), used for surge and sway, and thrust times the head's arm (N m)."""
     names = kernel.system.constants

@@ -24,7 +24,7 @@ from ..fitting import (
     free_runs,
     parametric_bootstrap,
 )
-from ..integrate import Kernel
+from ..integrate import CompiledSystem
 from ..integrate.batch import threaded_map
 from ..study import Study
 from ..tuning import JointFit
@@ -53,7 +53,7 @@ class PathErrors:
 
 
 def path_errors(
-    study: Study, kernel: Kernel, models: Mapping[str, JointFit], series: Sequence[Series]
+    study: Study, kernel: CompiledSystem, models: Mapping[str, JointFit], series: Sequence[Series]
 ) -> PathErrors:
     """`PathErrors` of models on trials, over the predictability horizon of the last, the best one.
 
@@ -71,7 +71,7 @@ def path_errors(
 
 
 def _bootstrap_path_errors_m(
-    kernel: Kernel, tuned: JointFit, segments: Sequence[Series]
+    kernel: CompiledSystem, tuned: JointFit, segments: Sequence[Series]
 ) -> list[float]:
     """Path errors of a model on data made by itself, segment by segment, m."""
     rng, values = np.random.default_rng(NOISE_FLOOR_SEED), tuned.trial_values(kernel, segments)
@@ -86,7 +86,7 @@ def _bootstrap_path_errors_m(
 
 
 def trial_segments(
-    kernel: Kernel, tuned: JointFit, series: Sequence[Series], horizon_s: float
+    kernel: CompiledSystem, tuned: JointFit, series: Sequence[Series], horizon_s: float
 ) -> list[Series]:
     """Segments of all trials; the states of effects (a lag, a servo) start at the values that the
     model's filter has at that time.
@@ -103,7 +103,7 @@ def trial_segments(
     return out
 
 
-def _effect_state_slots(kernel: Kernel) -> list[int]:
+def _effect_state_slots(kernel: CompiledSystem) -> list[int]:
     """Places of the states of effects, without the random ones."""
     random = set(disturbance_slots(kernel))
     first, count = len(kernel.system.states), len(kernel.system.all_states)
@@ -140,7 +140,7 @@ def _state_by_parabola(series: Series, frame: int) -> Float:
                      vy * np.cos(psi) - vx * np.sin(psi), r])  # fmt: skip
 
 
-def _path_rmse_m(kernel: Kernel, tuned: JointFit, segments: Sequence[Series]) -> float:
+def _path_rmse_m(kernel: CompiledSystem, tuned: JointFit, segments: Sequence[Series]) -> float:
     """Root mean square distance between seen and simulated over all segments, m."""
     runs = free_runs(kernel, segments, tuned.trial_values(kernel, segments))
     precise = precisely_seen_frames(segments)
@@ -167,7 +167,7 @@ def precisely_seen_frames(segments: Sequence[Series]) -> list[np.ndarray]:
     ]
 
 
-def segment_noise(kernel: Kernel, one: Series, values: Float, noise: Noise) -> Noise:
+def segment_noise(kernel: CompiledSystem, one: Series, values: Float, noise: Noise) -> Noise:
     """The noise with its random forces, one by one, as strong as makes this segment most likely:
     water is calmer in one trial than in the next.
     """

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import MissingForce, Noise, Series, added_force, missing_force, slots_by_name
-from ..integrate import Kernel
+from ..integrate import CompiledSystem
 from ..study import Trial
 from ..tuning import JointFit
 from ..tuning.joint_fit import Z_95
@@ -54,7 +54,7 @@ class EqualCountBins:
 
 
 def cause_laws(
-    kernel: Kernel,
+    kernel: CompiledSystem,
     series: Sequence[Series],
     forces: Sequence[MissingForce],
     tuned: JointFit,
@@ -76,7 +76,7 @@ def cause_laws(
 
 
 def partial_residuals(
-    kernel: Kernel,
+    kernel: CompiledSystem,
     series: Sequence[Series],
     forces: Sequence[MissingForce],
     tuned: JointFit,
@@ -113,7 +113,7 @@ def _means_over_trial_parts(values: Float) -> Float:
 
 
 def _cause_law(
-    kernel: Kernel,
+    kernel: CompiledSystem,
     series: Sequence[Series],
     tuned: JointFit,
     name: str,
@@ -149,7 +149,7 @@ def _cause_law(
 
 
 def _cause_force(
-    kernel: Kernel, series: Sequence[Series], tuned: JointFit, name: str, values: Float
+    kernel: CompiledSystem, series: Sequence[Series], tuned: JointFit, name: str, values: Float
 ) -> Float:
     """Force (frames, channels) of one cause along all trials, with these fitted numbers."""
     free, slots = tuned.fit.free, slots_by_name(kernel)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import Series, trial_values
-from ..integrate import Kernel, compiled
+from ..integrate import CompiledSystem, compiled
 from ..model import plates, simulate
 from ..study import Study
 from .find import MismatchResult
@@ -49,7 +49,7 @@ def disagreement_text(first: Sequence[str], other: Sequence[str]) -> str:
 
 
 def best_next_trial(
-    study: Study, kernel: Kernel, first: Float, second: Float, flap_hz: Mapping[str, float]
+    study: Study, kernel: CompiledSystem, first: Float, second: Float, flap_hz: Mapping[str, float]
 ) -> dict[str, object]:
     """Condition in which two fitted models differ most in 4 s from rest, in units of path error."""
     found: list[tuple[float, str, float, float]] = []
@@ -75,7 +75,7 @@ def best_next_trial(
 
 
 def _simulated_positions_m(
-    study: Study, kernel: Kernel, values: Float, *, angle: float, length: float, hz: float
+    study: Study, kernel: CompiledSystem, values: Float, *, angle: float, length: float, hz: float
 ) -> Float:
     coefficients, effects = kernel.system.named_values(values)
     run = simulate(coefficients, setup=study.setup, head_length_m=length, head_angle_rad=angle,

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..engine import Priors, Problem, candidates_of
 from ..fitting import Series, TrialEffect
-from ..integrate import Kernel
+from ..integrate import CompiledSystem
 from ..model import STATE_VARIABLES, residual_sources
 from ..tuning import JointFit
 from .camera_displacement import CAMERA_SHIFT_EFFECT, TAIL_FACTOR, CameraDisplacement
@@ -45,7 +45,7 @@ CAUSE_KINDS = ("physics", "measurement", "residual")
 
 
 def robot_problem(
-    kernel: Kernel,
+    kernel: CompiledSystem,
     series: Sequence[Series],
     baseline: JointFit,
     *,

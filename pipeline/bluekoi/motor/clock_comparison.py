@@ -68,7 +68,7 @@ def common_clock_ratio(flapping: Iterable[Flapping]) -> tuple[float, float] | No
     return float(alike.mean()), float(alike.std(ddof=1) / math.sqrt(len(alike)))
 
 
-def has_other_clock(flapping: Flapping, common: tuple[float, float] | None) -> bool:
+def deviates_from_common_clock(flapping: Flapping, common: tuple[float, float] | None) -> bool:
     """Whether a trial's clock is neither right nor that of most others: its log or frame rate is
     another trial's.
     """

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from ..camera.error_displacement import camera_error_constants
 from ..study import Setup
 
-NO_SHIFT_S = 1e9
+TIME_OF_NO_CAMERA_SHIFT_S = 1e9
 """Time of a displacement of the camera that never comes, s."""
 
 
@@ -30,7 +30,7 @@ class View:
     Q_lens: float = 0.0
     ax_lens: float = 0.0
     ay_lens: float = 0.0
-    t_shift: float = NO_SHIFT_S
+    t_shift: float = TIME_OF_NO_CAMERA_SHIFT_S
     x_shift: float = 1.0
     y_shift: float = 0.0
     ahead: float = 0.0

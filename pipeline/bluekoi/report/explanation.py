@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ..explain import Explanation, Predicted
+from ..explain import CauseSearchResult, Predicted
 from ..explain.comparison import cut_into_segments
 from ..explain.results_json import verdict_sentence
 from ..explain.text import (
@@ -32,12 +32,12 @@ from .page import load_template
 MAX_TRIALS_SHOWN = 4
 
 
-def write_explanation(found: Explanation, predicted: Predicted | None, path: Path) -> None:
+def write_explanation(found: CauseSearchResult, predicted: Predicted | None, path: Path) -> None:
     """Write the page, with all text escaped and the figure inside."""
     write_text(path, explanation_page(found, predicted))
 
 
-def explanation_page(found: Explanation, predicted: Predicted | None = None) -> str:
+def explanation_page(found: CauseSearchResult, predicted: Predicted | None = None) -> str:
     """Text of the page."""
     held, heading = found.held_out, VERDICT_HEADINGS[found.verdict]
     if found.named:
@@ -62,14 +62,16 @@ def explanation_page(found: Explanation, predicted: Predicted | None = None) -> 
     )
 
 
-def _prediction_html(found: Explanation, predicted: Predicted | None) -> dict[str, Any] | None:
+def _prediction_html(
+    found: CauseSearchResult, predicted: Predicted | None
+) -> dict[str, Any] | None:
     if predicted is None:
         return None
     return {"messages": predicted.messages, "errors": error_table(found.model, predicted),
             "measures": measure_table(predicted)}  # fmt: skip
 
 
-def trials_figure(found: Explanation) -> Figure:
+def trials_figure(found: CauseSearchResult) -> Figure:
     """Observations over time of a few trials, measured and simulated by both models."""
     model, problem = found.model, found.prepared.problem
     every = problem.series

@@ -12,7 +12,7 @@ from ..data import Flapping, write_columns
 from ..errors import input_error
 from ..files import write_json
 from ..fitting import Series
-from ..motor import common_clock_ratio, has_other_clock
+from ..motor import common_clock_ratio, deviates_from_common_clock
 from ..study import load_study
 from ..tuning import coefficients, simulations, study_series, table_1, table_2
 from .clock_factor import correct_clock
@@ -56,7 +56,7 @@ def campaign_series(
     moved = {i for i, row in campaign.steady.items() if row.quality != "no_data"}
     flapping = campaign_flapping(campaign) if flapping is None else flapping
     common = common_clock_ratio(flapping.values())
-    odd = {i for i, f in flapping.items() if has_other_clock(f, common)}
+    odd = {i for i, f in flapping.items() if deviates_from_common_clock(f, common)}
     kept = moved - odd if 2 * len(odd) < len(flapping) else moved
     tracks = {i: track for i, track in campaign.tracks.items() if i in kept}
     series = study_series(campaign.study, campaign.poses, tracks, flapping)

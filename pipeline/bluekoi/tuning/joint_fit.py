@@ -27,7 +27,7 @@ from ..fitting import (
 )
 from ..fitting.block_average import DEFAULT_BLOCK_RATE_HZ
 from ..fitting.sandwich import MIN_NAIVE_VARIANCE_SHARE
-from ..integrate import Kernel, compiled
+from ..integrate import CompiledSystem, compiled
 from ..integrate.system import Parameter
 from ..model import COEFFICIENTS, plates
 from .bounds import LOWER, UPPER, bound_sides, one_sided, parameter_of
@@ -93,7 +93,7 @@ class JointFit:
             out[i] = ends
         return out
 
-    def trial_values(self, kernel: Kernel, series: Sequence[Series]) -> list[Float]:
+    def trial_values(self, kernel: CompiledSystem, series: Sequence[Series]) -> list[Float]:
         """Full parameter vector for each trial."""
         return [
             trial_values(kernel, self.base, self.fit.free, self.fit.values, s.group) for s in series
@@ -125,8 +125,8 @@ def fit_all_trials(
 
 
 def _first_fit(
-    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], *, noise: Noise,
-    start: dict[str, float] | None,
+    kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free], *,
+    noise: Noise, start: dict[str, float] | None,
 ) -> Fit:  # fmt: skip
     """The fit from `start`; where the model runs away there, from smaller and smaller numbers."""
     slots = kernel.system.slot
@@ -141,7 +141,7 @@ def _first_fit(
 
 
 def servo_random_effect(
-    kernel: Kernel, series: Sequence[Series], found: Fit, base: Float, *, noise: Noise
+    kernel: CompiledSystem, series: Sequence[Series], found: Fit, base: Float, *, noise: Noise
 ) -> TrialRandomEffect | None:
     """What an error of each trial's head angle does to the normal equations of a fit, which does
     not have it; None where the fit has one for all trials already, or ran away.

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import Series, normal_equations
-from ..integrate import Kernel, compiled
+from ..integrate import CompiledSystem, compiled
 from ..integrate.batch import in_lanes, propagate
 from ..model import constants, plates
 from ..observation import view_of
@@ -94,7 +94,7 @@ def _candidate_conditions(series: Sequence[Series], setup: Setup) -> list[tuple[
 
 
 def _simulate_candidate_trial(
-    kernel: Kernel,
+    kernel: CompiledSystem,
     series: Sequence[Series],
     tuned: JointFit,
     setup: Setup,
@@ -119,7 +119,7 @@ def _simulate_candidate_trial(
     return replace(one, seen=_simulate_states(kernel, one, tuned))
 
 
-def _simulate_states(kernel: Kernel, series: Series, tuned: JointFit) -> Float:
+def _simulate_states(kernel: CompiledSystem, series: Series, tuned: JointFit) -> Float:
     values = tuned.trial_values(kernel, [series])[0]
     lanes = [in_lanes(row[None]) for row in (series.mean, values, series.constants)]
     observed, _ = propagate(kernel, *lanes, times=series.times[None], inputs=series.inputs[None])

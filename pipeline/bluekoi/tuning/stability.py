@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..fitting import Series
-from ..integrate import LANES, Kernel, System, compiled
+from ..integrate import LANES, CompiledSystem, System, compiled
 from ..integrate.batch import in_lanes, propagate
 from ..model import constants, plates, simulate
 from ..study import Setup, Study
@@ -120,7 +120,7 @@ MIN_HORIZON_S = 1.0
 
 
 def predictability_horizon_s(
-    study: Study, kernel: Kernel, tuned: JointFit, series: Sequence[Series]
+    study: Study, kernel: CompiledSystem, tuned: JointFit, series: Sequence[Series]
 ) -> float:
     """Time in which small differences grow by e^`MAX_LOG_GROWTH` in straight swimming, s."""
     times = [np.inf]

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..data import Float, Steady
 from ..fitting import Series
-from ..integrate import Kernel
+from ..integrate import CompiledSystem
 from ..model import simulate
 from ..study import Study
 from .joint_fit import JointFit
@@ -16,7 +16,7 @@ from .joint_fit import JointFit
 
 def steady_errors(
     study: Study,
-    kernel: Kernel,
+    kernel: CompiledSystem,
     tuned: JointFit,
     series: Sequence[Series],
     steady: Mapping[str, Steady],
@@ -37,7 +37,7 @@ def steady_errors(
 
 
 def _steady_turn(
-    study: Study, kernel: Kernel, one: Series, seen: Steady, values: Float
+    study: Study, kernel: CompiledSystem, one: Series, seen: Steady, values: Float
 ) -> tuple[float, float]:
     """Speed (m/s) and radius (m) of a free run, over the steady segment of the recording."""
     coefficients, effects = kernel.system.named_values(values)

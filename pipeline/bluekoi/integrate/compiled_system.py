@@ -32,7 +32,7 @@ from .rows import LANES
 from .system import Function, System
 from .writing import kernel_source
 
-__all__ = ["LANES", "Kernel", "compiled"]
+__all__ = ["LANES", "CompiledSystem", "compiled"]
 
 _LOADING_LOCK = RLock()
 """Held while a kernel is written and loaded, so that two threads do not compile the same; nor may
@@ -54,7 +54,7 @@ class _Compiled:
 
 
 @dataclass(frozen=True)
-class Kernel:
+class CompiledSystem:
     """Compiled simulation and filter of one system, each compiled when first called.
 
     Two kernels are behind it: a fast one, and one for where more than random parts is on.
@@ -77,9 +77,9 @@ class Kernel:
 
 
 @lru_cache(maxsize=32)
-def compiled(system: System) -> Kernel:
-    """Kernel of a system, compiled once per change of its sources."""
-    return Kernel(system)
+def compiled(system: System) -> CompiledSystem:
+    """CompiledSystem of a system, compiled once per change of its sources."""
+    return CompiledSystem(system)
 
 
 @lru_cache(maxsize=64)

@@ -65,7 +65,7 @@ class ComparedSet:
 
 
 @dataclass(frozen=True)
-class Explanation:
+class CauseSearchResult:
     """What a model leaves out of its trials.
 
     verdict: none, physics, measurement or unexplained. named: causes with a probability above 1/2,
@@ -102,7 +102,7 @@ def explain(
     model: Model, trials: Sequence[Trial], *, candidates: Sequence[str] | None = None, without:
     Sequence[str] = (), compare: Sequence[Sequence[str]] = (), progress: Callable[[str], None] =
     no_progress,
-) -> Explanation:  # fmt: skip
+) -> CauseSearchResult:  # fmt: skip
     """Which of the model's causes act in the trials.
 
     candidates: names of the causes to ask for, all by default; without: names to leave out;
@@ -141,7 +141,7 @@ def explain(
     test = test_series(ready, [t for t in given if t.role == HELD_OUT_ROLE])
     errors = compare_held_out(model, problem, bare.model, final, test)
     own, base = fitted_numbers(problem.kernel, final), fitted_numbers(problem.kernel, bare.model)
-    return Explanation(
+    return CauseSearchResult(
         ready, found, verdict_of(model, named, unexplained), tuple(named), gains, unexplained,
         {n: found.inclusion.get(n, 0.0) for n in names},
         fit_by_criterion(problem, bare.model, errors.fitted_to[0]),

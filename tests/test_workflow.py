@@ -23,7 +23,7 @@ from snakemake_interface_logger_plugins.common import LogEvent
 
 from bluekoi.errors import InputError
 from bluekoi.files import atomic_write
-from bluekoi.integrate import kernel
+from bluekoi.integrate import compiled_system
 from bluekoi.stages.compiling import load_model, load_model_with_effects
 from bluekoi.workflow import plan as plan_module
 from bluekoi.workflow import provenance
@@ -90,9 +90,11 @@ class WorkflowCopy:
 )
 def test_two_loaders_share_the_kernels_of_the_model(load, general, monkeypatch):
     """Two processes compile at the same time, each its own kernel."""
-    asked, loaded = set(), kernel._load_compiled
+    asked, loaded = set(), compiled_system._load_compiled
     monkeypatch.setattr(
-        kernel, "_load_compiled", lambda system, more: asked.add(more) or loaded(system, more)
+        compiled_system,
+        "_load_compiled",
+        lambda system, more: asked.add(more) or loaded(system, more),
     )
     load()
     assert asked == {general}

@@ -164,7 +164,11 @@ def _largest_factor(made: SimulatedStudy, k: int) -> float:
 
 
 def _factors(made: SimulatedStudy, targets: Array) -> Array | None:
-    """Factors on the strengths towards the wanted sigma; None where a cause cannot reach 8."""
+    """Factors on the strengths towards the wanted sigma; None where a cause cannot reach 8, or where
+    the information is too nearly singular to say.
+    """
+    if not np.isfinite(made.sigma).all():
+        return None
     factors = np.clip(targets / np.maximum(made.sigma, 1e-6), 0.2, 4)
     most = np.array([_largest_factor(made, k) for k in range(len(targets))])
     reach = np.where(most < 1.05, 0.7, 0.4) * SIGMA_RANGE[0]

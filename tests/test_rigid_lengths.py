@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +18,7 @@ from bluekoi.camera.rigid_distances import Distances
 from bluekoi.files import to_json_types
 from bluekoi.fitting import Free, Series, SharedMeasurement
 from bluekoi.fitting.side_measurements import side_measurement_terms
-from bluekoi.integrate import compiled
+from bluekoi.integrate import compiled, elementwise
 from bluekoi.mismatch.rigid_lengths import effects_on_lengths, length_measurement
 from bluekoi.model import plates
 
@@ -213,3 +214,16 @@ def test_a_shared_measurement_counts_once_and_has_the_slopes_of_its_errors() -> 
     best = g.sum(axis=0)[0] / H.sum(axis=0)[0, 0]
     assert best == pytest.approx(estimated_strengths(found, "scale_error")[0][0], rel=1e-3)
     assert not g[:, 1].any()
+
+
+@pytest.mark.parametrize("effect", effects_on_lengths(SYSTEM), ids=lambda effect: effect.name)
+def test_displacements_of_arrays_equal_those_of_each_place(effect) -> None:
+    rng = np.random.default_rng(8)
+    function = effect.hooks["observe"]
+    names = list(inspect.signature(function).parameters)
+    sizes = {p.argument: p.start for p in effect.parameters}
+    values = [rng.uniform(0.1, 2.0, 40) * sizes.get(name, 1.0) for name in names]
+    at_once = elementwise(function)(*values)
+    one_by_one = np.array([function(*row) for row in zip(*values, strict=True)])
+    for column, found in zip(one_by_one.T, at_once, strict=True):
+        assert np.broadcast_to(found, 40) == pytest.approx(column, rel=1e-12, abs=1e-15)

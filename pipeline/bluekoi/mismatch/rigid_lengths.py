@@ -28,7 +28,7 @@ from ..camera.geometry_hypotheses import SYSTEMATIC_LENGTH_ERROR_SHARE
 from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE, Distances, excess_by_keypoint_shift
 from ..data import Float
 from ..fitting import SharedMeasurement
-from ..integrate import Effect, System
+from ..integrate import Effect, System, elementwise
 from .robot_problem import LABEL_STD_M, UNKNOWN_DEPTH_STD_SHARE
 
 CALIBRATION_STD = {"lens_error": 0.0005, "uncorrected_refraction": 0.001}
@@ -153,18 +153,11 @@ def _observed_displacement_m(
     values: Sequence[float],
 ) -> Float:  # fmt: skip
     """Displacement (n, 2) of places (n, 2) seen at times (n,)."""
-    function = effect.hooks["observe"]
-    arguments = _observe_arguments(effect)
     still = {"cpsi": 0.0, "spsi": 0.0, **constants, "ahead": 0.0}
     given = dict(zip((p.argument for p in effect.parameters), values, strict=True))
-    moving = {"x": places[:, 0], "y": places[:, 1], "t": time_s}
-    known = {**still, **given}
-    if "t" in arguments:  # functions of time have branches
-        rows = zip(*moving.values(), strict=True)
-        found = [function(*({**known, "x": x, "y": y, "t": t}[a] for a in arguments))[:2]
-                 for x, y, t in rows]  # fmt: skip
-        return np.array(found)
-    dx, dy, *_ = function(*({**known, **moving}[a] for a in arguments))
+    known = {**still, **given, "x": places[:, 0], "y": places[:, 1], "t": time_s}
+    observe = elementwise(effect.hooks["observe"])
+    dx, dy, *_ = observe(*(known[a] for a in _observe_arguments(effect)))
     return np.column_stack([dx, dy])
 
 

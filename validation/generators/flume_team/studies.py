@@ -164,8 +164,8 @@ def _largest_factor(made: SimulatedStudy, k: int) -> float:
 
 
 def _factors(made: SimulatedStudy, targets: Array) -> Array | None:
-    """Factors on the strengths towards the wanted sigma; None where a cause cannot reach 8, or where
-    the information is too nearly singular to say.
+    """Factors on the strengths towards the wanted sigma; None where a cause cannot reach 8, or
+    where the information is too nearly singular to say.
     """
     if not np.isfinite(made.sigma).all():
         return None

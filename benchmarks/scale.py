@@ -164,7 +164,7 @@ def snakemake_share_text(used: ResourceUse) -> str:
     )
 
 
-def rule_statistics(results: Path) -> list[tuple[str, int, float, float]]:
+def snakemake_rule_times_and_memory(results: Path) -> list[tuple[str, int, float, float]]:
     """Each rule's name, number of jobs, median processor seconds and greatest memory, MB."""
     rows: dict[str, list[dict[str, str]]] = {}
     for path in sorted((results / "benchmarks").rglob("*.tsv")):
@@ -216,7 +216,7 @@ def main() -> None:
             folder.mkdir(parents=True, exist_ok=True)
             study = make_campaign(folder, trials, films=options.films)
             used = run_study(study, folder / "results", options.goal, options.cores)
-            print_resources(trials, used, rule_statistics(folder / "results"))
+            print_resources(trials, used, snakemake_rule_times_and_memory(folder / "results"))
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ OUTSIDE_POOL_SHARE, OUTSIDE_FRAMES_SHARE = 0.1, 0.25
 MIN_JUMP_LENGTHS, MAX_JUMP_DURATION_S, MIN_JUMP_STEP_RATIO = 0.5, 0.1, 10.0
 """A jump: half a body length and ten usual steps within 0.1 s, without coming back."""
 MEDIAN_HALF_WINDOW_FRAMES = 3
-WAYPOINT_DISTANCE_LENGTHS = 0.25
+TRAVEL_DIRECTION_BASE_BODY_LENGTHS = 0.25
 """Directions of travel are taken over so many body lengths, at any frame rate."""
 
 
@@ -133,7 +133,7 @@ def _backwards_findings(source: str, place: str, study: Study, pose: Pose) -> li
     seen = np.isfinite(pose.values[:, :3]).all(axis=1)
     xy, heading = pose.values[seen, :2], pose.values[seen, 2]
     length = study.setup.robot.body_length_m
-    kept = waypoints(xy, WAYPOINT_DISTANCE_LENGTHS * length)
+    kept = waypoints(xy, TRAVEL_DIRECTION_BASE_BODY_LENGTHS * length)
     way, heading = np.diff(xy[kept], axis=0), heading[kept][:-1]
     gone = np.linalg.norm(way, axis=1)
     if gone.sum() < length:

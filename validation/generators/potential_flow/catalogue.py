@@ -7,7 +7,7 @@ from . import motors
 from . import surroundings as su
 from .form import Form
 from .form import forms as _forms
-from .physical import DIRECTION_RANGES, MOTION_FORMS, TURN_RANGES
+from .physical import DIRECTION_RANGES, MOTION_FORMS, TURNS_UNTIL_WAKE_RANGES
 
 UNLISTED_NAME = "unexplained"
 
@@ -19,10 +19,10 @@ PHYSICS = [
         "1",
         ("surge",),
         [
-            ("logistic", motors.wake_logistic, 4e-3, 0.7, TURN_RANGES),
-            ("ramp", motors.wake_ramp, 4e-3, 0.6, TURN_RANGES),
+            ("logistic", motors.wake_logistic, 4e-3, 0.7, TURNS_UNTIL_WAKE_RANGES),
+            ("ramp", motors.wake_ramp, 4e-3, 0.6, TURNS_UNTIL_WAKE_RANGES),
             ("saturating", motors.wake_saturating, 4e-3, 0.7, {"turn": (2.0, 4.0)}),
-            ("aged", motors.wake_decay_with_age, 4e-3, 0.8, TURN_RANGES),
+            ("aged", motors.wake_decay_with_age, 4e-3, 0.8, TURNS_UNTIL_WAKE_RANGES),
         ],
     ),
     *_forms(

@@ -13,7 +13,7 @@ ALL_CHANNELS = ("surge", "sway", "yaw")
 
 DELAY_RANGES = {"tau": (0.15, 0.5)}
 DIRECTION_RANGES = {"bearing": (0.0, 6.28)}
-TURN_RANGES = {"turn": (1.5, 2.6)}
+TURNS_UNTIL_WAKE_RANGES = {"turn": (1.5, 2.6)}
 STALL_RANGES = {"onset": (0.05, 0.09), "width": (0.008, 0.02)}
 CHORD_RANGES = {"chords": (1.5, 5.0)}
 WALL_RANGES = {"reach": (0.15, 0.4)}

@@ -13,26 +13,31 @@ from scipy.integrate import quad
 from scipy.stats import multivariate_normal
 
 from bluekoi.engine import (
+    NamedCause,
     Posterior,
     Priors,
     Problem,
     candidates_of,
+    causes_of_no_size,
     expand_about,
     fit_own_noise,
     fit_set,
     named_causes,
+    no_size_sentence,
     posterior,
     search_sets,
 )
-from bluekoi.engine.evidence import laplace_evidence
+from bluekoi.engine.evidence import laplace_evidence, log_evidence
 from bluekoi.engine.expansion import likely_strengths
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
+from bluekoi.engine.refit import SMALL_FORCE_CORRELATION_TIME_S, SMALL_FORCE_SHARE
 from bluekoi.engine.set_columns import Layout
 from bluekoi.engine.set_score import score_set
 from bluekoi.engine.subset import designed_subset
 from bluekoi.fitting import Free, Noise, Series
 from bluekoi.fitting.normal import marginal_products
 from bluekoi.integrate import Effect, Parameter, Stage, System, compiled
+from validation.noise_starts import gain_table, gains_of_sets
 from validation.search_limits import round_gains
 
 
@@ -214,6 +219,38 @@ def test_further_rounds_of_noise_and_parameters_do_not_make_a_set_less_probable(
     gains = round_gains(search_sets(problem), {"c": 1.0})
     assert len(gains) > 1
     assert min(gains) > -0.1
+
+
+def test_small_random_forces_reach_a_maximum_of_the_noise_that_large_ones_miss() -> None:
+    """Without the drag that acts, the estimate from the first start ends at a lower maximum."""
+    visited = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.0)))
+    without, with_drag = gains_of_sets(visited, {"c": 1.0})
+    own = SMALL_FORCE_SHARE, SMALL_FORCE_CORRELATION_TIME_S
+    assert without[own] > 100.0
+    for gains in (without, with_drag):
+        assert gains[own] > max(gains.values()) - 0.5
+    assert f"{own[0]:g}  {own[1]:g} s" in gain_table([without, with_drag])
+
+
+@pytest.mark.parametrize("ridge", [1e-12, 1e-8])
+def test_the_ridge_has_no_part_in_the_evidence(ridge: float, monkeypatch) -> None:
+    scored = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1))).best
+    before = log_evidence(scored.expansion, scored.layout)
+    monkeypatch.setattr("bluekoi.engine.evidence.DIAGONAL_RIDGE", ridge)
+    assert log_evidence(scored.expansion, scored.layout) == pytest.approx(before, abs=1e-3)
+
+
+def test_a_cause_whose_strengths_may_all_be_zero_has_no_size() -> None:
+    by_name = driven_mass_problem(driven_mass_trials(0.3, 0.1)).by_name
+    cause = NamedCause("quadratic_drag", 0.99, {})
+    (label,) = (f.label for f in by_name["quadratic_drag"].strengths)
+    for value, std, sizeless in (
+        (0.1, 0.1, True), (0.1, 0.05, False), (0.0, np.nan, True), (0.1, np.nan, False),
+        (0.1, np.inf, True),
+    ):  # fmt: skip
+        found = causes_of_no_size([cause], by_name, {label: (value, std)})
+        assert bool(found) == sizeless
+    assert "quadratic_drag improves the fit (probability 0.99)" in no_size_sentence(cause)
 
 
 def test_without_its_limit_the_posterior_keeps_every_set() -> None:

@@ -29,6 +29,7 @@ from bluekoi.explain import (
     read_trials,
 )
 from bluekoi.explain.checks import checked_model
+from bluekoi.explain.numbers import fitted_numbers
 from bluekoi.explain.results_json import verdict_sentence
 from bluekoi.explain.sampling import averaged_to_rate
 from bluekoi.explain.system_assembly import assemble_system
@@ -105,6 +106,22 @@ def test_a_complete_model_has_no_cause(cart_model):
     held = replace(found.held_out, noise_floor={k: v / 6 for k, v in
                                                 found.held_out.baseline.items()})  # fmt: skip
     assert "wrong by 6.0 times the noise floor" in verdict_sentence(replace(found, held_out=held))
+
+
+def test_a_probable_cause_on_whose_size_the_trials_do_not_agree_is_not_named(
+    cart_model, monkeypatch
+):
+    def wide(kernel, model):
+        return [
+            replace(n, std=10.0) if n.label == "current.c" else n
+            for n in fitted_numbers(kernel, model)
+        ]
+
+    monkeypatch.setattr("bluekoi.explain.cause_search.fitted_numbers", wide)
+    found = explain(cart_model, simulated_runs(drag=0.8, current=0.1), without=["spring"])
+    assert [c.name for c in found.named] == ["quadratic_drag"]
+    assert "current improves the fit" in found.warnings[0]
+    assert not any(n.label.startswith("current") for n in found.numbers)
 
 
 def test_causes_of_the_site_are_not_applied_elsewhere(cart_model, cart_explanation):

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from bluekoi.data import PARTS, Keypoints
+from bluekoi.data import PARTS, Keypoints, is_confident
 from bluekoi.errors import InputError
 from bluekoi.keypoints import deeplabcut, source_module, source_names
 from bluekoi.keypoints.files.noise import white_noise_px
@@ -209,6 +209,51 @@ def test_white_noise_is_found_under_swimming_tail_beat_and_outliers(sigma):
     xy = np.column_stack([motion, 0.5 * motion]) + rng.normal(0, sigma, (240, 2))
     xy[::40] += 60.0
     assert white_noise_px(xy, np.ones(240)) == pytest.approx(sigma, rel=0.35)
+
+
+def file_of_a_motion(
+    path: Path, likelihood: np.ndarray, *, extra_px: float = 0.0, scorer: str = "net"
+) -> tuple[np.ndarray, np.ndarray]:
+    """Path, positions (frames, 5, 2) and true ones; `extra_px`: more noise below likelihood 0.6."""
+    rng, n = np.random.default_rng(8), len(likelihood)
+    line = np.column_stack([400 + 3.0 * np.arange(n), 300 + 20 * np.sin(0.1 * np.arange(n))])
+    true = line[:, None] + 40.0 * np.arange(5)[:, None] * [1.0, 0.0]
+    std = np.where(likelihood < 0.6, np.hypot(0.4, extra_px), 0.4)
+    xy = true + std[:, None, None] * rng.normal(size=true.shape)
+    rows = keypoint_rows(rows=n)
+    rows[0] = ["scorer", *[scorer] * 15]
+    for i, row in enumerate(rows[3:]):
+        cells = np.column_stack([xy[i], np.full(5, likelihood[i])]).ravel()
+        row[1:] = [f"{cell:.4f}" for cell in cells]
+    write_csv(path, rows)
+    return xy, true
+
+
+def test_points_of_a_file_count_as_seen_from_a_likelihood_of_a_tenth_on(tmp_path):
+    likelihood = np.where(np.arange(80) % 4 == 0, 0.09, 0.3)
+    file_of_a_motion(tmp_path / "k.csv", likelihood)
+    found = deeplabcut.read(tmp_path / "k.csv", make_trial())
+    assert np.array_equal(is_confident(found.likelihood[:, 0]), likelihood > 0.1)
+    std = np.sqrt(found.cov_px2[likelihood > 0.1][..., 0, 0])
+    assert std.mean() == pytest.approx(0.4, rel=0.3)
+
+
+def test_points_of_little_confidence_are_as_uncertain_as_they_scatter(tmp_path):
+    likelihood = np.where(np.arange(200) % 5 == 0, 0.3, 0.95)
+    xy, true = file_of_a_motion(tmp_path / "k.csv", likelihood, extra_px=30.0)
+    found = deeplabcut.read(tmp_path / "k.csv", make_trial())
+    std = np.sqrt(found.cov_px2[..., 0, 0])
+    assert is_confident(found.likelihood).all()
+    assert std[likelihood > 0.6].mean() == pytest.approx(0.4, rel=0.3)
+    error = (xy - true)[likelihood < 0.6] / std[likelihood < 0.6][..., None]
+    assert np.sqrt(np.mean(error**2)) == pytest.approx(1.0, abs=0.25)
+
+
+def test_files_of_our_own_keep_the_limit_of_our_detectors(tmp_path):
+    likelihood = np.where(np.arange(80) % 4 == 0, 0.3, 0.95)
+    file_of_a_motion(tmp_path / "k.csv", likelihood, scorer="bluekoi")
+    found = deeplabcut.read(tmp_path / "k.csv", make_trial())
+    assert np.array_equal(is_confident(found.likelihood[:, 0]), likelihood > 0.6)
 
 
 FILES = [

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from bluekoi.data import Mask
 from bluekoi.smoothing import kalman_numba
 from bluekoi.smoothing.coloured_noise import with_coloured_noise
 from bluekoi.smoothing.grid import filter_grid
@@ -14,7 +15,7 @@ from bluekoi.smoothing.kalman_filterpy import (
     _predict_and_update,
     filter_and_smooth,
 )
-from bluekoi.smoothing.linear_gaussian import LinearGaussianModel, Mask, SmoothedStates
+from bluekoi.smoothing.linear_gaussian import LinearGaussianModel, SmoothedStates
 from bluekoi.smoothing.motion import heading_matrices, planar_matrices, planar_measurement
 from bluekoi.smoothing.nominal_motion import rough_speed, steady_motion
 from bluekoi.smoothing.quasi_newton import minimise

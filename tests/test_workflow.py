@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import logging
 import math
 import os
@@ -19,12 +20,18 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from click.testing import CliRunner
 from snakemake_interface_logger_plugins.common import LogEvent
 
+from bluekoi.cli import main
 from bluekoi.errors import InputError
 from bluekoi.files import atomic_write
 from bluekoi.integrate import compiled_system
 from bluekoi.stages.compiling import load_model, load_model_with_effects
+from bluekoi.stages.layout import Layout
+from bluekoi.stages.manifest import record_file_states
+from bluekoi.stages.outcome import outcome
+from bluekoi.study import load_study
 from bluekoi.workflow import plan as plan_module
 from bluekoi.workflow import provenance
 from bluekoi.workflow.lock import acquire_lock, remove_stale_locks, remove_temporary_files
@@ -64,9 +71,10 @@ class WorkflowCopy:
         (self.root / "pipeline").unlink()
         shutil.copytree(ROOT / "pipeline", self.root / "pipeline", ignore=unfinished)
 
-    def words(self, *arguments: str) -> list[str]:
+    def words(self, *arguments: str, results: str = "") -> list[str]:
         profile = ["--workflow-profile", "config/profiles/default"]
-        return ["--cores", "2", *profile, *arguments, "--config", "study=study"]
+        named = [f"results={results}"] if results else []
+        return ["--cores", "2", *profile, *arguments, "--config", "study=study", *named]
 
     def command(self, *arguments: str) -> list[str]:
         return [sys.executable, "-m", "snakemake", *self.words(*arguments)]
@@ -74,8 +82,8 @@ class WorkflowCopy:
     def environment(self) -> dict[str, str]:
         return {**os.environ, "PYTHONPATH": str(self.root / "pipeline")}
 
-    def snakemake(self, *arguments: str) -> subprocess.CompletedProcess[str]:
-        return snakemake(self.words(*arguments), self.root, self.environment())
+    def snakemake(self, *arguments: str, results: str = "") -> subprocess.CompletedProcess[str]:
+        return snakemake(self.words(*arguments, results=results), self.root, self.environment())
 
     def planned(self) -> dict[str, int]:
         """How many trials, or jobs, of each rule a run would process now, except `outcome`."""
@@ -280,6 +288,50 @@ def test_a_bad_trial_stops_only_itself_and_ends_the_run_with_a_word(workflow):
     assert not (results / "tracks/T10.csv").exists()
     newest = (results / "status/T10.json").stat().st_mtime
     assert (results / "figures/fig3.png").stat().st_mtime > newest
+
+
+def test_results_that_were_copied_and_lost_a_row_are_of_the_rows_that_are_left(workflow):
+    """Snakemake's own records are of the first folder; the copy is newer than trials.csv."""
+    path = workflow.study / "trials.csv"
+    rows = path.read_text().splitlines()
+    path.write_text("\n".join(row for row in rows if not row.startswith("T11")) + "\n")
+    copy = workflow.root / "results/copy"
+    shutil.copytree(workflow.root / "results/study", copy, copy_function=shutil.copyfile)
+    assert workflow.snakemake(results="results/copy").returncode == 0
+    assert "T11" not in (copy / "steady.csv").read_text()
+    assert {path.stem for path in (copy / "simulations").glob("*.csv")} == {"T09", "T10"}
+    assert {path.stem for path in (copy / "extended").glob("*.csv")} == {"T09", "T10"}
+
+
+def test_a_run_in_which_every_trial_fails_leaves_no_verdict_of_an_earlier_one(workflow):
+    for path in (workflow.study / "keypoints").glob("*.csv"):
+        path.write_text("")
+    run = workflow.snakemake()
+    assert run.returncode == 1
+    assert "Verdict" not in run.stderr
+    for name in ("mismatch.json", "coefficients.json", "report.html"):
+        assert not (workflow.root / "results/study" / name).exists()
+
+
+def test_a_report_older_than_the_verdict_is_not_shown_as_that_of_the_run(workflow, monkeypatch):
+    results = workflow.root / "results/study"
+    assert Layout(results).report_is_current()
+    later = (results / "report.html").stat().st_mtime + 60
+    os.utime(results / "mismatch.json", (later, later))
+    monkeypatch.chdir(workflow.root)
+    shown = CliRunner().invoke(main, ["report", "study"])
+    assert "This report is of an earlier run" in shown.output
+
+
+def test_a_file_that_changes_while_the_run_works_is_named(workflow):
+    results = workflow.root / "results/study"
+    record_file_states(load_study(workflow.study), results)
+    edit_trials_csv(workflow.study, T10={"head_length_m": "0.1211"})
+    outcome(workflow.study, results)
+    said = json.loads((results / "outcome.json").read_text())["warnings"]
+    assert said[0].startswith("trials.csv changed while the run was at work")
+    manifest = json.loads((results / "manifest.json").read_text())
+    assert manifest["changed_during_run"] == ["trials.csv"]
 
 
 def test_a_result_that_was_deleted_comes_back(workflow):

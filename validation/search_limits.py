@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from bluekoi.campaign import load_campaign
-from bluekoi.engine import posterior, search_sets
+from bluekoi.engine import Problem, posterior, search_sets
 from bluekoi.engine.fitted_sets import FittedSets
 from bluekoi.engine.refit import fit_own_noise, fit_set
 from bluekoi.engine.set_score import score_set
@@ -39,14 +39,19 @@ class LimitEffects:
     probability_change: float
 
 
-def limit_effects(study: Path, results: Path) -> LimitEffects:
-    """`LimitEffects` of a measured study, all of whose trials are fitted."""
+def study_problem(study: Path, results: Path) -> tuple[Problem, dict[str, float]]:
+    """Problem of a measured study, all of whose trials are fitted, and the fitted coefficients."""
     campaign = load_campaign(results, load_study(study), measured=True)
     series = campaign_series(campaign, campaign_flapping(campaign))
     kernel, baseline = compiled(plates()), fit_all_trials(downsampled(series))
     problem = robot_problem(kernel, downsampled(series, SEARCH_RATE_HZ), baseline, displaced=(),
                             progress=lambda _: None)  # fmt: skip
-    start = baseline.fit.by_label()
+    return problem, baseline.fit.by_label()
+
+
+def limit_effects(study: Path, results: Path) -> LimitEffects:
+    """`LimitEffects` of a measured study, all of whose trials are fitted."""
+    problem, start = study_problem(study, results)
     visited = search_sets(problem, start)
     sets = list(visited.sets.values())
     limited, all_sets = (posterior(visited.problem, sets, **limit)

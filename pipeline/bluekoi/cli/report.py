@@ -13,6 +13,10 @@ import click
 
 from .parameter_types import NonEmptyPath, StudyName
 
+OLD_REPORT_MESSAGE = (
+    "This report is of an earlier run: the last one did not end. `bluekoi run {}` makes it anew."
+)
+
 
 def results_folder(study: Path, results: Path | None) -> Path:
     """Folder of a study's results: the one given, else results/NAME; a folder of results itself.
@@ -39,6 +43,7 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
     """Show the verdict on STUDY, its warnings and causes, and where its report is."""
     from ..errors import escape_control_characters  # noqa: PLC0415
     from ..files import read_json  # noqa: PLC0415
+    from ..stages.layout import Layout  # noqa: PLC0415
 
     folder = results_folder(study, results)
     found = folder / "mismatch.json"
@@ -53,6 +58,8 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
     if not page.is_file():
         click.echo(f"No report yet in {folder}; `bluekoi run {study}` makes it.", err=True)
         ctx.exit(1)
+    if not Layout(folder).report_is_current():
+        click.echo(OLD_REPORT_MESSAGE.format(study), err=True)
     click.echo(f"Report: {page}")
     if shown and not open_in_browser(page):
         click.echo("No browser could be started here; open the file by hand.", err=True)

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from ..errors import Finding, InputError
 
 Float = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 
 PARTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
 """Body parts from nose to tail tip; `core_center` is the centre of mass."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from .candidates import Candidate
 from .posterior import Posterior
 from .set_score import ScoredSet
@@ -16,6 +18,8 @@ CREDIBLE_SET_PROBABILITY = 0.9
 """Probability that a credible set holds the cause, and from which one of several alternatives is
 taken to act."""
 UNEXPLAINED = "unexplained"
+Z_95 = 1.96
+"""Half the width of a 95 % interval, in standard deviations of a normal distribution."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +96,32 @@ def best_set(
 
     pairs = sorted(zip(found.probability, found.sets, strict=True), key=lambda x: -x[0])
     return next((s for _, s in pairs if fits(s)), found.best)
+
+
+def causes_of_no_size(
+    named: Sequence[NamedCause], candidates: Mapping[str, Candidate],
+    estimates: Mapping[str, tuple[float, float]],
+) -> list[NamedCause]:  # fmt: skip
+    """Causes each of whose strengths may be 0, by its 95 % interval from how the trials disagree.
+
+    The evidence counts what a cause adds to the fit; where the trials do not agree that it has any
+    size, it describes what differs between them, and is not named. estimates: value and standard
+    deviation by label; NaN where there is none.
+    """
+
+    def may_be_zero(label: str) -> bool:
+        value, std = estimates.get(label, (np.nan, np.nan))
+        return value == 0 or bool(abs(value) < Z_95 * std)
+
+    return [c for c in named if all(may_be_zero(f.label) for f in candidates[c.name].strengths)]
+
+
+def no_size_sentence(cause: NamedCause) -> str:
+    """Why a probable cause is not named."""
+    return (
+        f"{cause.name} improves the fit (probability {cause.probability:.2f}), but the trials do "
+        "not agree on it: each of its strengths may be 0. It is not named."
+    )
 
 
 def log_evidence_gain(sets: Sequence[ScoredSet], best: ScoredSet, name: str) -> float:

@@ -26,9 +26,8 @@ from .problem import MAX_SEARCH_TRIALS, Problem
 STEP_TOLERANCE_STDS = 0.1
 """A fit ends with a step of this many standard deviations in the mean square."""
 SMALL_FORCE_SHARE, SMALL_FORCE_CORRELATION_TIME_S = 0.05, 0.5
-"""Second start of the noise estimate: random forces of this share of those at the first start. The
-noise likelihood has several maxima, some of which are reached only from small forces: there a law,
-not a random force, explains the motion. The share is assumed; both only choose where fits begin."""
+"""Second start of the noise estimate, whose likelihood has several maxima: random forces of this
+share of those at the first start. `python -m validation noise-starts` measures what it gains."""
 MAX_NOISE_ROUNDS, NOISE_STEPS, MIN_ROUND_GAIN_LOG_LIK = 6, 6, 0.3
 """Limits of the computing time: rounds in which noise and numbers are fitted in turn, quasi-Newton
 steps of each, and the log likelihood below which another round is not worth its time."""
@@ -211,9 +210,8 @@ def fit_own_noise(
     """A set under its own noise, estimated in turn with its numbers until neither improves.
 
     Two starting points, random forces as estimated before and small ones under which the numbers
-    are fitted again: what a law explains must not stay random, and the numbers that were fitted
-    beside large random forces may leave it random. With a single round, the likelier noise alone;
-    two_starts False: of a set whose second start has been tried, the first alone.
+    are fitted again: what a law explains must not stay random. With a single round, the likelier
+    noise alone; two_starts False: of a set whose second start has been tried, the first alone.
     """
     if most == 1:
         small = small_force_noise(problem, model.noise)
@@ -282,15 +280,18 @@ def _total_log_likelihood(passes: FilterResults) -> float:
     return total if np.isfinite(total) else -np.inf
 
 
-def small_force_noise(problem: Problem, noise: Noise) -> Noise:
-    """The noise with small random forces of short memory."""
+def small_force_noise(
+    problem: Problem, noise: Noise, *, share: float = SMALL_FORCE_SHARE,
+    time_s: float = SMALL_FORCE_CORRELATION_TIME_S,
+) -> Noise:  # fmt: skip
+    """The noise with random forces of a share of the problem's, and their correlation time."""
     acting = set(disturbance_slots(problem.kernel, acting=True))
     count = len(noise.disturbance)
     disturbance, tau = noise.disturbance.copy(), noise.tau.copy()
     for k, slot in enumerate(disturbance_slots(problem.kernel)[:count]):
         if slot in acting:
-            disturbance[k] = SMALL_FORCE_SHARE * problem.noise.disturbance[k]
-            tau[k] = SMALL_FORCE_CORRELATION_TIME_S
+            disturbance[k] = share * problem.noise.disturbance[k]
+            tau[k] = time_s
     return replace(noise, disturbance=disturbance, tau=tau)
 
 

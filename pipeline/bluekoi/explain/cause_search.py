@@ -16,8 +16,10 @@ from ..engine import (
     Problem,
     ScoredSet,
     best_set,
+    causes_of_no_size,
     fit_own_noise,
     named_causes,
+    no_size_sentence,
     posterior,
     search_sets,
     without_discrepancy,
@@ -131,25 +133,39 @@ def explain(
     progress("probabilities")
     found = posterior(problem, list(visited.sets.values()))
     named, unexplained = named_causes(found, problem.by_name)
-    best = best_set(
-        found, [c.name for c in named], unexplained > MIN_NAMED_PROBABILITY, problem.by_name
-    )
-    bare, final = visited.sets[frozenset()], fit_without_discrepancy(problem, best.model)
+    best, final, own = _fit_named(problem, found, named, unexplained)
+    stated = {n.label: (n.value, n.std) for n in own}
+    sizeless = causes_of_no_size(named, problem.by_name, stated)
+    if sizeless:
+        named = [c for c in named if c not in sizeless]
+        best, final, own = _fit_named(problem, found, named, unexplained)
+    bare = visited.sets[frozenset()]
     gains = {c.name: log_evidence_gain(list(visited.sets.values()), best, c.name) for c in named}
     named.sort(key=lambda c: -gains[c.name])
     progress("held-out errors")
     test = test_series(ready, [t for t in given if t.role == HELD_OUT_ROLE])
     errors = compare_held_out(model, problem, bare.model, final, test)
-    own, base = fitted_numbers(problem.kernel, final), fitted_numbers(problem.kernel, bare.model)
+    base = fitted_numbers(problem.kernel, bare.model)
+    warnings = _warnings(ready, given, best, bare, own=own, base=base)
     return CauseSearchResult(
         ready, found, verdict_of(model, named, unexplained), tuple(named), gains, unexplained,
         {n: found.inclusion.get(n, 0.0) for n in names},
         fit_by_criterion(problem, bare.model, errors.fitted_to[0]),
         fit_by_criterion(problem, final, errors.fitted_to[1]), tuple(own), tuple(base), best,
-        errors, tuple(_warnings(ready, given, best, bare, own=own, base=base)),
+        errors, (*map(no_size_sentence, sizeless), *warnings),
         tuple(_fit_compared_set(ready, visited, tuple(one), test, errors.stretch_s)
               for one in compare),
     )  # fmt: skip
+
+
+def _fit_named(
+    problem: Problem, found: Posterior, named: Sequence[NamedCause], unexplained: float
+) -> tuple[ScoredSet, FittedSet, list[Number]]:
+    """The most probable set of the named causes, that by its formulas alone, and its numbers."""
+    names = [c.name for c in named]
+    best = best_set(found, names, unexplained > MIN_NAMED_PROBABILITY, problem.by_name)
+    final = fit_without_discrepancy(problem, best.model)
+    return best, final, fitted_numbers(problem.kernel, final)
 
 
 def fit_without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:

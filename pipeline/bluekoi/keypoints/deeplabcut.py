@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..data import Keypoints, read_columns, write_columns
+from ..data import MIN_LIKELIHOOD, Keypoints, read_columns, write_columns
 from ..errors import input_error
 from ..files import atomic_write
 from ..study import Trial
@@ -27,7 +27,8 @@ def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -
     """Keypoints of a trial from a csv or h5 file, times = frame / trial.fps.
 
     A sidecar `<name>.cov.csv` beside the file, as `write` makes it, gives true times and
-    covariances; without it the covariance is the noise of the positions themselves.
+    covariances; without it the covariance is the noise of the positions themselves. In files of
+    others a point counts as seen from a likelihood of 0.1 on, in ours from 0.6.
 
     Raises: InputError where the file is missing, is not DeepLabCut's (or SLEAP's) layout, is empty
     or damaged, or lacks the parts that a head direction and a core centre need.
@@ -35,13 +36,22 @@ def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -
     table = read_table(Path(path))
     fps = trial.fps or 30.0
     part_s = (trial.start_s, trial.end_s)
-    found = to_keypoints(table, Path(path), fps=fps, bodyparts=bodyparts, part_s=part_s)
+    limit = {"min_likelihood": MIN_LIKELIHOOD} if is_own(Path(path)) else {}
+    found = to_keypoints(table, Path(path), fps=fps, bodyparts=bodyparts, part_s=part_s, **limit)
     if len(found.time_s) == 0:
         raise input_error(
             path, "start_s, end_s", "no frame in that part", "a part inside the recording"
         )
     sidecar = covariance_path(path)
     return _with_stored_covariance(found, sidecar) if sidecar.is_file() else found
+
+
+def is_own(path: Path) -> bool:
+    """Whether `write` wrote a file, so that its likelihoods are those of our detectors."""
+    if path.suffix.lower() != ".csv":
+        return False
+    with path.open("rb") as content:
+        return content.readline(64).startswith(f"scorer,{SCORER},".encode())
 
 
 def read_detections(path: Path, trial: Trial) -> Keypoints:

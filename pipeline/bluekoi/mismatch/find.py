@@ -14,12 +14,9 @@ from ..engine import (
     NamedCause,
     Posterior,
     ScoredSet,
-    best_set,
-    named_causes,
-    off_bounds_mask,
+    no_size_sentence,
     posterior,
     search_sets,
-    without_discrepancy,
 )
 from ..engine.naming import MIN_NAMED_PROBABILITY, UNEXPLAINED, log_evidence_gain
 from ..fitting import (
@@ -27,9 +24,7 @@ from ..fitting import (
     MissingForce,
     Series,
     added_force,
-    cluster_covariance,
     fit_paths,
-    inverse_fisher,
     missing_force,
 )
 from ..integrate import CompiledSystem, compiled
@@ -39,6 +34,7 @@ from ..study import Study
 from ..study.data_split import has_trial_roles, held_out_trials
 from ..tuning import JointFit, downsampled, fit_all_trials, steady_errors
 from .camera_displacement import CameraDisplacement, detect_displacements, with_displacements
+from .chosen_causes import choose_causes
 from .drift import Drift, drifting_trial
 from .free_run_errors import path_errors
 from .missing_force_dependence import Dependence, covariates, dependences
@@ -116,13 +112,8 @@ def find_mismatch(
     visited = search_sets(problem, baseline.fit.by_label())
     problem = visited.problem
     found = posterior(problem, list(visited.sets.values()))
-    named, unexplained = named_causes(found, problem.by_name)
-    best = best_set(
-        found, [c.name for c in named], unexplained > MIN_NAMED_PROBABILITY, problem.by_name
-    )
-    final = without_discrepancy(replace(problem, series=tuple(train)), best.model)
-    final = final if final.usable else without_discrepancy(problem, best.model)
-    extended = with_between_trial_covariance(baseline, final) if best.causes else baseline
+    chosen = choose_causes(problem, train, baseline, found)
+    named, best, extended = chosen.named, chosen.best, chosen.extended
     progress("missing force")
     models = {"baseline": baseline, "extended": extended}
     by_paths = trajectory_fit(kernel, train, baseline)
@@ -147,12 +138,13 @@ def find_mismatch(
     gains = {c.name: log_evidence_gain(found.sets, best, c.name) for c in named}
     ordered = sorted(named, key=lambda c: -gains[c.name])
     return MismatchResult(
-        verdict=verdict_of(kernel, ordered, unexplained), posterior=found, named=ordered,
-        unexplained=unexplained, model=final, gains=gains, baseline=baseline,
+        verdict=verdict_of(kernel, ordered, chosen.unexplained), posterior=found, named=ordered,
+        unexplained=chosen.unexplained, model=chosen.model, gains=gains, baseline=baseline,
         extended=extended, fitted_to=fitted_to, forces=forces, dependences=depends,
         held_out=[s.name for s in test], errors=errors, floor_m=paths.floor_m,
         stretch_s=paths.horizon_s, displacements=displaced,
-        warnings=[*model_warnings(kernel, train, best), *([drifting.sentence] if drifting else [])],
+        warnings=[*map(no_size_sentence, chosen.sizeless), *model_warnings(kernel, train, best),
+                  *([drifting.sentence] if drifting else [])],
     )  # fmt: skip
 
 
@@ -162,23 +154,6 @@ def _camera_displacements_and_drift(
     """Displacements of the camera during a trial, and the trial whose positions drift, if any."""
     fitted = kernel, series, model.trial_values(kernel, series), model.noise
     return detect_displacements(*fitted), drifting_trial(*fitted)
-
-
-SINGLE_TRIAL_VARIANCE_FACTOR = 2.0
-"""Trials cannot disagree on a number that one of them alone informs on: its naive variance counts
-twice, the overdispersion above which the report warns."""
-
-
-def with_between_trial_covariance(baseline: JointFit, model: FittedSet) -> JointFit:
-    """A fitted set with covariances from how its trials disagree."""
-    free = off_bounds_mask(model)
-    spread = cluster_covariance(model.fit.normal, free)
-    cov, df = spread.cov.copy(), spread.df.copy()
-    alone = np.flatnonzero(free & (df == 0))  # one trial informs on it: its naive variance
-    naive = SINGLE_TRIAL_VARIANCE_FACTOR * np.diag(inverse_fisher(model.fit.normal, free))
-    cov[alone, alone] = np.maximum(cov[alone, alone], naive[alone])
-    df[alone] = max(len(model.fit.normal.hessian) - 1, 1)
-    return JointFit(model.fit, model.noise, cov, baseline.base, df, None)
 
 
 def trajectory_fit(

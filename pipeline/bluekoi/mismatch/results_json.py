@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from ..engine import NamedCause
 from ..engine.naming import UNEXPLAINED
 from ..explain.results_json import rival_rows
@@ -14,8 +12,7 @@ from ..fitting import Series
 from ..integrate import Effect
 from ..model import is_residual, plates, residual_channels
 from ..study import Study
-from ..tuning import JointFit
-from ..tuning.joint_fit import Z_95
+from .chosen_causes import estimates
 from .find import MismatchResult
 from .missing_force_dependence import CHANNELS
 from .next_trial import next_trial_json
@@ -91,25 +88,17 @@ def _regime_text(found: MismatchResult, effect: Effect) -> str:
 
 def _parameters_json(found: MismatchResult, name: str) -> dict[str, dict[str, Any]]:
     """A cause's numbers; std such that value +- 1.96 std is their 95 % interval."""
-    tuned = found.extended
-    rows = {p.name: p for p in plates().parameters}
+    stated, rows = estimates(found.extended), {p.name: p for p in plates().parameters}
     return {
-        f.name.split(".", 1)[1]: {
-            "value": float(v),
-            "std": s,
-            "unit": rows[f.name].unit,
-            "meaning": rows[f.name].meaning,
+        label.split(".", 1)[1]: {
+            "value": value,
+            "std": std,
+            "unit": rows[label].unit,
+            "meaning": rows[label].meaning,
         }
-        for f, v, s in zip(
-            tuned.fit.free, tuned.fit.values, normal_equivalent_std(tuned), strict=True
-        )
-        if f.name.startswith(name + ".")
+        for label, (value, std) in stated.items()
+        if label.startswith(name + ".")
     }
-
-
-def normal_equivalent_std(tuned: JointFit) -> list[float]:
-    """Deviations (p,) of normal distributions with the 95 % intervals of a tuned model."""
-    return [float(std) for std in 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / Z_95]
 
 
 def extended_residual_terms(found: MismatchResult) -> list[str]:
@@ -207,8 +196,8 @@ def details_json(found: MismatchResult) -> dict[str, Any]:
                                key=lambda x: -x[0])
         ],
         "coefficients": {
-            name: {f.label: {"value": float(v), "std": s} for f, v, s in zip(
-                tuned.fit.free, tuned.fit.values, normal_equivalent_std(tuned), strict=True)}
+            name: {label: {"value": value, "std": std}
+                   for label, (value, std) in estimates(tuned).items()}
             for name, tuned in (("before", found.baseline), ("after", found.extended))
         },
     }  # fmt: skip

@@ -13,9 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicHermiteSpline
 
-from ..data import Float
-
-Mask = npt.NDArray[np.bool_]
+from ..data import Float, Mask
 
 MIN_READINGS_PER_WINDOW = 5
 """The line of a window takes so many readings."""

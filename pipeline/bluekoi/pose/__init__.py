@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import MIN_LIKELIHOOD, Float, Pose, Positions, has_excess_variance
+from ..data import Float, Pose, Positions, has_excess_variance
 from ..errors import input_error
 from ..study import Robot
 from .body import RIGID_PARTS, Body, body_lengths, trusted_points
@@ -36,7 +36,7 @@ __all__ = ["Body", "body_lengths", "rigid_pose", "unwrapped"]
 def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose:
     """Pose [x, y of the centre of mass, core heading unwrapped, head angle] with cov, per frame.
 
-    Weighted least squares on the points seen with likelihood 0.6 or more; the head angle is core
+    Weighted least squares on the points that count (`is_confident`); the head angle is core
     minus head, wrapped to (-pi, pi]. Distances between the parts are this trial's own medians, so
     that an error of scale does not bend the pose; the robot's lengths replace those of parts never
     seen together. Where the points have no covariance it is estimated from the residuals of the
@@ -176,8 +176,7 @@ def _no_usable_keypoints_error(positions: Positions, xy: Float) -> Exception:
     return input_error(
         "keypoints",
         "",
-        f"{seen} of {len(positions.time_s)} frames at likelihood {MIN_LIKELIHOOD} or more, "
-        "never enough",
+        f"{seen} of {len(positions.time_s)} frames, never enough",
         "frames with head_tip and two of hinge, core_center, tail_base",
         "In a film: is head_angle_deg of the right sign (positive where the head points to the "
         "robot's right), and is the robot whole, apart from the floor in brightness, and alone in "

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from ..camera import pool_camera
-from ..data import MIN_LIKELIHOOD, Keypoints, is_confident
+from ..data import Keypoints, is_confident
 from ..errors import Finding, InputError, input_error
 from ..footage import open_recording
 from ..keypoints import source_module
+from ..keypoints.files.table import MIN_LIKELIHOOD_IN_FILE
 from ..motor import flapping_from_log
 from ..pose.body import RIGID_PARTS
 from ..pose.fit import usable_frames
@@ -133,7 +134,7 @@ def _check_usable_frames(path: Path, found: Keypoints) -> None:
     if frames < MIN_FRAMES:
         raise input_error(
             path, "", f"{frames} of {len(found.time_s)} frames with head_tip and two of "
-            f"{', '.join(RIGID_PARTS[1:])} at likelihood {MIN_LIKELIHOOD} or more",
+            f"{', '.join(RIGID_PARTS[1:])} at likelihood {MIN_LIKELIHOOD_IN_FILE} or more",
             f"{MIN_FRAMES} at least",
             "Are the likelihoods there, and are the names under bodyparts: the right ones?",
         )  # fmt: skip

@@ -15,8 +15,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..data import Mask
 from .kalman_numba import compiled_filter_and_smooth
-from .linear_gaussian import LinearGaussianModel, Mask, SmoothedStates
+from .linear_gaussian import LinearGaussianModel, SmoothedStates
 
 MIN_GAP_NODES = 3
 """Shortest gap, in nodes, whose standard deviations are calibrated."""

@@ -7,8 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..data import Float
-from .linear_gaussian import Mask
+from ..data import Float, Mask
 
 MAX_STEP_FRAMES = 1.5
 """No step of the filter is longer than so many usual frame intervals."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from filterpy.kalman import KalmanFilter
 
-from ..data import Float
+from ..data import Float, Mask
 from .kalman_numba import smooth_backward
-from .linear_gaussian import LinearGaussianModel, Mask, SmoothedStates
+from .linear_gaussian import LinearGaussianModel, SmoothedStates
 
 
 def filter_and_smooth(model: LinearGaussianModel, used: Mask) -> SmoothedStates:

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..data import Float
+from ..data import Float, Mask
 from ..vector_width import njit
-from .linear_gaussian import LinearGaussianModel, Mask, SmoothedStates
+from .linear_gaussian import LinearGaussianModel, SmoothedStates
 
 LOG_2_PI = float(np.log(2 * np.pi))
 

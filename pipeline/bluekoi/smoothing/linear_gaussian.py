@@ -10,12 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
 from ..data import Float
-
-Mask = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

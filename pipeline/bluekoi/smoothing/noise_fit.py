@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtri
 
-from ..data import Float
+from ..data import Float, Mask
 from . import kalman_numba
-from .linear_gaussian import LinearGaussianModel, Mask
+from .linear_gaussian import LinearGaussianModel
 from .quasi_newton import minimise
 
 GATE_TAIL_PROBABILITY = 1e-5

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..data import Float
+from ..data import Float, Mask
 from .grid import Grid
-from .linear_gaussian import Mask
 
 
 @dataclass(frozen=True)

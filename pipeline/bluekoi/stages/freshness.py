@@ -83,7 +83,7 @@ def _motion_inputs(study: Study, trial: Trial, layout: Layout) -> list[Any]:
 
 def _overlay_inputs(study: Study, trial: Trial, layout: Layout) -> list[Any]:
     films = [] if trial.reads_keypoints else list(study.paths(trial))
-    fits = (layout.status(trial.trial_id), layout.coefficients, layout.root / "mismatch.json")
+    fits = (layout.status(trial.trial_id), layout.coefficients, layout.mismatch)
     return [_motion_inputs(study, trial, layout), [*file_states(films), *map(file_state, fits)]]
 
 

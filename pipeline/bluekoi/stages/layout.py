@@ -6,6 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+COPY_S = 2.0
+"""Files of one folder that is copied get dates that lie so close together, in any order."""
+
 
 @dataclass(frozen=True)
 class Layout:
@@ -65,9 +68,38 @@ class Layout:
         return self.root / "coefficients.json"
 
     @property
+    def mismatch(self) -> Path:
+        """The verdict, its causes and their numbers."""
+        return self.root / "mismatch.json"
+
+    @property
+    def of_tuning(self) -> tuple[Path, ...]:
+        """Files that the tuning stage writes for the whole study."""
+        tables = (self.root / f"table{number}.csv" for number in (1, 2))
+        return (self.coefficients, *tables)
+
+    @property
+    def of_mismatch(self) -> tuple[Path, ...]:
+        """Files that the mismatch stage writes for the whole study."""
+        return (self.mismatch, self.root / "mismatch_detail.json")
+
+    @property
     def report(self) -> Path:
         """One page with all of it."""
         return self.root / "report.html"
+
+    @property
+    def outcome(self) -> Path:
+        """What to check in a run in which no trial failed."""
+        return self.root / "outcome.json"
+
+    def report_is_current(self) -> bool:
+        """Whether the page was made from the fits and the search that are there now."""
+        made_from = (self.coefficients, self.mismatch)
+        if not all(path.is_file() for path in (*made_from, self.report)):
+            return False
+        newest = max(path.stat().st_mtime for path in made_from)
+        return self.report.stat().st_mtime > newest - COPY_S
 
     @property
     def last_results(self) -> tuple[Path, ...]:

@@ -21,11 +21,20 @@ RUN_VARIABLE = "BLUEKOI_RUN"
 """Environment variable with the run's command, settings and code, as json."""
 
 
-def write_manifest(study: Path, results: Path) -> None:
+def record_file_states(study: Study, results: Path) -> None:
+    """Keep size and date of each file of a study as a run begins."""
+    write_json(_states_at_start(results), _file_states(study))
+
+
+def write_manifest(study: Path, results: Path) -> list[str]:
     """Write manifest.json: command, settings, versions, the study as read, and the sha256 of every
     input file. Hashes of files that have kept size and date are taken from the last run.
+
+    Returns the files that were changed after the run began, which the manifest names as well: what
+    was computed before is of what they were.
     """
     loaded, run = load_study(study), json.loads(os.environ.get(RUN_VARIABLE, "{}"))
+    changed = _changed_since_start(loaded, results)
     content = {
         "command": run.get("command", ""),
         "settings": run.get("settings", {}),
@@ -34,8 +43,10 @@ def write_manifest(study: Path, results: Path) -> None:
         "study": loaded.setup.model_dump(mode="json"),
         "trials": {trial.trial_id: trial_row(trial) for trial in loaded.trials},
         "inputs": _input_hashes(loaded, results / "logs" / "hashes.cache"),
+        "changed_during_run": changed,
     }
     write_json(results / "manifest.json", content)
+    return changed
 
 
 def versions() -> dict[str, str]:
@@ -59,21 +70,37 @@ def _package_version(name: str) -> str:
         return "not installed"
 
 
+def _states_at_start(results: Path) -> Path:
+    return results / "logs" / "files_at_start.cache"
+
+
+def _file_states(study: Study) -> dict[str, list[int]]:
+    """Size in bytes and date in ns of each file of a study that is there, by relative path."""
+    states = {path: path.stat() for path in study.files() if path.is_file()}
+    return {
+        os.path.relpath(path, study.root): [state.st_size, state.st_mtime_ns]
+        for path, state in states.items()
+    }
+
+
+def _changed_since_start(study: Study, results: Path) -> list[str]:
+    before, now = _read_cache(_states_at_start(results)), _file_states(study)
+    return sorted(name for name in before if now.get(name) != before[name])
+
+
 def _input_hashes(study: Study, cache: Path) -> dict[str, dict[str, Any]]:
-    known = _cached_hashes(cache)
+    known = _read_cache(cache)
     found: dict[str, dict[str, Any]] = {}
-    for path in (p for p in study.files() if p.is_file()):
-        state = path.stat()
-        name = os.path.relpath(path, study.root)
-        stamp = [state.st_size, state.st_mtime_ns]
+    for name, stamp in _file_states(study).items():
         last = known.get(name, {})
         same = last.get("stamp") == stamp
-        found[name] = {"sha256": last["sha256"] if same else sha256(path), "stamp": stamp}
+        content = last["sha256"] if same else sha256(study.root / name)
+        found[name] = {"sha256": content, "stamp": stamp}
     write_json(cache, found)
     return {name: {"sha256": e["sha256"], "bytes": e["stamp"][0]} for name, e in found.items()}
 
 
-def _cached_hashes(cache: Path) -> Mapping[str, Any]:
+def _read_cache(cache: Path) -> Mapping[str, Any]:
     try:
         return read_json(cache)
     except InputError:

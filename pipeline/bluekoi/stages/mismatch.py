@@ -88,7 +88,7 @@ def mismatch(study: Path, results: Path) -> None:
     for cause in content["causes"]:
         if cause["name"] in laws:
             cause["law"] = laws[cause["name"]]
-    write_json(results / "mismatch.json", with_clock_cause(content, factors, len(series)))
+    write_json(Layout(results).mismatch, with_clock_cause(content, factors, len(series)))
 
 
 def with_clock_measurement(

@@ -14,16 +14,21 @@ from .layout import Layout, remove_files
 from .manifest import write_manifest
 from .trial_failure import failure_reason
 
+CHANGED_MESSAGE = (
+    "{} changed while the run was at work: some results are of the file as it was before. "
+    "Run the study again."
+)
+
 
 def outcome(study: Path, results: Path) -> list[str]:
     """A line for each trial that failed or was cut short; outcome.json where there is none.
 
     Runs last, so that all results of the other trials are there, and writes what they were made
-    from (manifest.json). outcome.json carries `warnings`
-    on trials that were used: clocks that disagree, speeds that no swimmer has, powers that do not
-    go with the flapping frequency, rigid lengths of another size.
+    from (manifest.json). outcome.json carries `warnings` on files that changed meanwhile and on
+    trials that were used: clocks that disagree, speeds that no swimmer has, powers that do not go
+    with the flapping frequency, rigid lengths of another size.
     """
-    layout, done = Layout(results), results / "outcome.json"
+    layout, done = Layout(results), Layout(results).outcome
     loaded = load_study(study)
     powers = {trial.trial_id: trial.power_pct for trial in loaded.trials}
     statuses = {name: read_json(layout.status(name)) for name in powers}
@@ -39,7 +44,8 @@ def outcome(study: Path, results: Path) -> list[str]:
         *length_warnings(geometry, mismatch),
     ]
     remove_files([done])
-    write_manifest(study, results)
+    if changed := write_manifest(study, results):
+        warnings.insert(0, CHANGED_MESSAGE.format(", ".join(changed)))
     if bad:
         return [*bad, *(f"Warning: {text}" for text in warnings)]
     write_json(done, {"trials": len(powers), "all_good": True, "warnings": warnings})

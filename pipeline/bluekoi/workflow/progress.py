@@ -16,6 +16,7 @@ from snakemake_interface_logger_plugins.common import LogEvent
 
 from ..errors import INTERRUPTED_MESSAGE, escape_control_characters
 from ..files import read_json
+from ..stages.layout import Layout
 from .preload import Preloaded
 from .remaining_time import Timing, duration_text, usual_durations_s
 
@@ -242,7 +243,7 @@ class Progress(logging.Handler):
             self._print(f"Warning: {text}")
         if text := _verdict_sentence(self.report.with_name("mismatch.json")):
             self._print(f"Verdict: {text}")
-        if self.report.is_file():
+        if Layout(self.report.parent).report_is_current():
             self._print(f"Report: {self.report}")
 
 

@@ -12,19 +12,21 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, escape_control_characters
-from ..stages.manifest import RUN_VARIABLE
+from ..stages.manifest import RUN_VARIABLE, record_file_states
 from .forkserver_client import COMMAND_VARIABLE
 from .lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from .plan import Plan, make_plan
 from .provenance import PACKAGE_FOLDER, fingerprint
 from .settings import check_settings
+from .stage_inputs import input_hashes, outdated_stages, remove_outdated_results
 
 
 def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
     """Plan of the run that Snakemake is about to make; ends it with a message on an input error.
 
     A run holds its results folder, removes the locks and half-written files that a killed run left,
-    and the markers of batches with a trial that is out of date. A dry run only lists these trials.
+    and what was made from other inputs: markers of batches with such a trial, and results on the
+    whole study. A dry run only lists these.
     """
     main, dry = workflow.is_main_process, workflow.output_settings.dryrun
     try:
@@ -40,6 +42,8 @@ def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
         for stage, names in plan.due.items():
             if names:
                 sys.stderr.write(f"{stage} is due for {len(names)}: {', '.join(sorted(names))}\n")
+        if stages := outdated_stages(plan, input_hashes(plan)):
+            sys.stderr.write(f"Made from other inputs or by another version: {', '.join(stages)}\n")
         return plan
     command = os.environ.get(COMMAND_VARIABLE) or shlex.join(sys.argv)
     run = {"command": command, "settings": dict(config), "code": fingerprint("stages")}
@@ -48,7 +52,9 @@ def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
         (plan.results / "outcome.json").unlink(missing_ok=True)  # the stage that writes both
     remove_stale_locks(Path(".snakemake") / "locks", plan.results)
     remove_temporary_files(plan.results)
+    record_file_states(plan.study, plan.results)
     plan.remove_due_markers()
+    remove_outdated_results(plan)
     return plan
 
 

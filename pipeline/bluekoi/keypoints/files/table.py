@@ -9,13 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from ...data import PARTS, Float, Keypoints
+from ...data import MIN_LIKELIHOOD, PARTS, Float, Keypoints, Mask, is_confident
 from ...errors import did_you_mean, input_error
-from .noise import white_noise_px
+from .noise import MIN_FRAMES, uncertain_std_px, white_noise_px
 
 Column = tuple[str, str]
 MAX_COORDINATE_PX = 1e6
 MAX_LIKELIHOOD = 2.0  # scores of some networks reach a little over 1
+MIN_LIKELIHOOD_IN_FILE = 0.1
+"""Likelihood below which a point of a file was not seen."""
 MAX_GAP_FRAMES = 20_000
 """Frames that may be missing in one go: more than five minutes at 60 frames a second."""
 CORE_PARTS = ("hinge", "core_center", "tail_base")
@@ -162,11 +164,14 @@ def to_keypoints(
     fps: float,
     bodyparts: Mapping[str, str] | None = None,
     part_s: tuple[float | None, float | None] = (None, None),
+    min_likelihood: float = MIN_LIKELIHOOD_IN_FILE,
 ) -> Keypoints:
     """Keypoints of the robot in a table, under our names, times = frame / fps.
 
     `bodyparts` maps our part to the file's name (`individual/part` where several animals are
-    meant). Covariances are the white noise of the positions themselves (`noise.py`).
+    meant). Covariances are the white noise of the positions themselves (`noise.py`). A point of
+    `min_likelihood` or more that is not confident counts as one at the limit of confidence, with
+    the covariance that such points show.
 
     Raises: InputError where head direction or core centre cannot be had from the parts there are.
     """
@@ -180,12 +185,28 @@ def to_keypoints(
     inside = (time_s >= (start or 0.0) - 1e-9) & (time_s <= (np.inf if end is None else end) + 1e-9)
     order = list(chosen.values())
     xy, likelihood = table.xy_px[inside][:, order], table.likelihood[inside][:, order]
-    variance = np.array(
-        [white_noise_px(xy[:, i], likelihood[:, i]) ** 2 for i in range(len(order))]
+    counted = np.where(
+        uncertain := is_uncertain(likelihood, min_likelihood), MIN_LIKELIHOOD, likelihood
     )
-    cov = np.where(np.isfinite(xy[..., :1, None]), variance[:, None, None] * np.eye(2), np.nan)
+    std = np.column_stack(
+        [_noise_std_px(xy[:, i], likelihood[:, i], uncertain[:, i]) for i in range(len(order))]
+    )
+    cov = np.where(np.isfinite(xy[..., :1]), std[..., None] ** 2, np.nan)[..., None] * np.eye(2)
     remarks = (*table.remarks, *remarks)
-    return Keypoints(time_s[inside], tuple(chosen), xy, likelihood, cov, remarks)
+    return Keypoints(time_s[inside], tuple(chosen), xy, counted, cov, remarks)
+
+
+def is_uncertain(likelihood: Float, min_likelihood: float = MIN_LIKELIHOOD_IN_FILE) -> Mask:
+    """Where a point of a file, of any shape, was seen, but not with confidence."""
+    return np.asarray((likelihood >= min_likelihood) & ~is_confident(likelihood))
+
+
+def _noise_std_px(xy: Float, likelihood: Float, uncertain: Mask) -> Float:
+    """Standard deviation (frames,) of one part, px; of uncertain points from their own scatter."""
+    certain = is_confident(likelihood)
+    some = int(np.sum(certain & np.isfinite(xy[:, 0]))) >= MIN_FRAMES
+    white = white_noise_px(xy, np.where(some, certain, certain | uncertain).astype(float))
+    return np.where(uncertain, max(white, uncertain_std_px(xy, certain, uncertain)), white)
 
 
 def _most_seen_individual(table: Table, wanted: Mapping[str, str]) -> tuple[str, tuple[str, ...]]:

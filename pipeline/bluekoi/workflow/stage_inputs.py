@@ -1,0 +1,75 @@
+"""Results of the stages on the whole study that were made from other inputs than the present ones.
+
+Snakemake notices changed settings and code by its own records, which lie outside the results and
+stay behind when these are copied or moved. `status/inputs.json` in the results says the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..errors import InputError
+from ..files import read_json, write_json
+from ..stages.freshness import short_hash
+from ..stages.layout import Layout, remove_files
+from .plan import Plan, figure_names, figure_title_and_caption
+from .provenance import PACKAGE_FOLDER, fingerprint
+
+
+def input_hashes(plan: Plan) -> dict[str, str]:
+    """Hash of what each stage on the whole study depends on, beside the results before it."""
+    code, fits = plan.code_fingerprint, plan.fit_fingerprint()
+    hashes = {
+        "geometry": short_hash(code("geometry"), plan.geometry_fingerprint()),
+        "steady": short_hash(code("steady"), plan.trials),
+        "tuning": short_hash(code("tuning"), fits),
+        "mismatch": short_hash(code("mismatch"), fits),
+        "report": code("report"),
+        "outcome": code("outcome"),
+    }
+    for name in figure_names():
+        words = figure_title_and_caption(PACKAGE_FOLDER / f"figures/{name}.py")
+        own = fingerprint("stages.figure", f"figures.{name}")
+        hashes[f"figures/{name}"] = short_hash(own, words)
+    return hashes
+
+
+def outdated_stages(plan: Plan, hashes: Mapping[str, str]) -> list[str]:
+    """Stages whose results are there, made from other inputs or by a version that kept no record.
+
+    A figure's name follows a slash.
+    """
+    try:
+        made_from = read_json(_record(plan))
+    except InputError:
+        made_from = {}
+    return [
+        stage for stage, now in hashes.items()
+        if made_from.get(stage) != now and any(p.is_file() for p in _products(plan.results, stage))
+    ]  # fmt: skip
+
+
+def remove_outdated_results(plan: Plan) -> None:
+    """Remove the results of outdated stages, so that they are made again; record the inputs."""
+    hashes = input_hashes(plan)
+    for stage in outdated_stages(plan, hashes):
+        remove_files(_products(plan.results, stage))
+    write_json(_record(plan), hashes)
+
+
+def _record(plan: Plan) -> Path:
+    return plan.results / "status" / "inputs.json"
+
+
+def _products(results: Path, stage: str) -> list[Path]:
+    layout = Layout(results)
+    own = {
+        "geometry": [layout.geometry],
+        "steady": [layout.steady],
+        "tuning": layout.of_tuning,
+        "mismatch": layout.of_mismatch,
+        "report": [layout.report],
+        "outcome": [layout.outcome],
+    }
+    return list(own.get(stage) or [results / f"{stage}{s}" for s in (".png", ".pdf", ".csv")])

@@ -1,0 +1,65 @@
+"""What the second start of the noise estimate gains, by its share and correlation time.
+
+The estimate of the random forces begins at forces as first estimated, and a second time at small
+ones (`engine.refit.SMALL_FORCE_SHARE`, `SMALL_FORCE_CORRELATION_TIME_S`). For the model without
+causes and for the most probable set of a measured study: log joint density that is reached from
+the second start, less that from the first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from bluekoi.engine import fit_own_noise, fit_set, search_sets
+from bluekoi.engine.fitted_sets import FittedSets
+from bluekoi.engine.refit import small_force_noise
+
+from .search_limits import study_problem
+
+SHARES, CORRELATION_TIMES_S = (0.005, 0.05, 0.5), (0.05, 0.5, 5.0)
+Gains = dict[tuple[float, float], float]
+"""(share, correlation time, s) -> log joint density gained."""
+
+
+def second_start_gains(study: Path, results: Path) -> list[Gains]:
+    """Gains of the sets of a measured study, all of whose trials are fitted."""
+    problem, start = study_problem(study, results)
+    return gains_of_sets(search_sets(problem, start), start)
+
+
+def gains_of_sets(visited: FittedSets, start: Mapping[str, float]) -> list[Gains]:
+    """Gains of the model without causes and of the most probable set, where that is another one."""
+    return [
+        _gains(visited, key, start) for key in dict.fromkeys([frozenset(), visited.best.model.key])
+    ]
+
+
+def _gains(visited: FittedSets, key: frozenset[str], start: Mapping[str, float]) -> Gains:
+    problem, model = visited.problem, visited.sets[key].model
+    known = {**start, **model.fit.by_label()}
+    starts = {(share, time): small_force_noise(problem, problem.noise, share=share, time_s=time)
+              for share, time in product(SHARES, CORRELATION_TIMES_S)}  # fmt: skip
+    first, *second = [
+        fit_own_noise(problem, fit_set(problem, model.causes, noise, known), two_starts=False)
+        for noise in (problem.noise, *starts.values())
+    ]
+    return {k: m.log_joint - first.log_joint for k, m in zip(starts, second, strict=True)}
+
+
+def gain_table(gains: Sequence[Gains]) -> str:
+    """Lines: share, time, median and largest gain over the sets, and in how many sets the start
+    comes within 1 of the best of all starts.
+    """
+    best = [max(0.0, *one.values()) for one in gains]
+    lines = [f"{len(gains)} sets: share, correlation time, gain in the median, largest, near best"]
+    for key in gains[0]:
+        own = np.array([one[key] for one in gains])
+        near = sum(max(value, 0.0) > top - 1.0 for value, top in zip(own, best, strict=True))
+        lines.append(
+            f"{key[0]:g}  {key[1]:g} s  {np.median(own):.1f}  {own.max():.1f}  {near} of {len(own)}"
+        )
+    return "\n".join(lines)

@@ -28,7 +28,7 @@ def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -
 
     A sidecar `<name>.cov.csv` beside the file, as `write` makes it, gives true times and
     covariances; without it the covariance is the noise of the positions themselves. In files of
-    others a point counts as seen from a likelihood of 0.1 on, in ours from 0.6.
+    others a likelihood of 0.1 is enough where most points of a part have less than 0.6.
 
     Raises: InputError where the file is missing, is not DeepLabCut's (or SLEAP's) layout, is empty
     or damaged, or lacks the parts that a head direction and a core centre need.

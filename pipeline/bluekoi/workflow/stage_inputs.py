@@ -1,7 +1,8 @@
 """Results of the stages on the whole study that were made from other inputs than the present ones.
 
 Snakemake notices changed settings and code by its own records, which lie outside the results and
-stay behind when these are copied or moved. `status/inputs.json` in the results says the same.
+stay behind when these are copied or moved. `status/stages/inputs.json`, in the results, goes with
+them.
 """
 
 from __future__ import annotations
@@ -59,7 +60,7 @@ def remove_outdated_results(plan: Plan) -> None:
 
 
 def _record(plan: Plan) -> Path:
-    return plan.results / "status" / "inputs.json"
+    return plan.results / "status" / "stages" / "inputs.json"
 
 
 def _products(results: Path, stage: str) -> list[Path]:

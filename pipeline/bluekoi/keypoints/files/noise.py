@@ -1,4 +1,4 @@
-"""Noise of a keypoint from the keypoint itself, where its source gives no covariance."""
+"""White noise of a keypoint from the keypoint itself, where its source gives no covariance."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from math import comb
 
 import numpy as np
 
-from ...data import Float, Mask
+from ...data import Float
 from ...data.keypoint_quality import is_confident
 
 DIFFERENCE_ORDERS = (6, 2, 4, 8, 10)
@@ -14,8 +14,6 @@ MIN_STD_PX = 0.05
 UNKNOWN_STD_PX = 2.0
 MIN_FRAMES = 12
 OUTLIER_SIGMAS = 6.0
-MAD_OF_NORMAL = 0.6744898
-"""Median absolute deviation of a standard normal variable."""
 
 
 def white_noise_px(xy_px: Float, likelihood: Float) -> float:
@@ -36,21 +34,6 @@ def white_noise_px(xy_px: Float, likelihood: Float) -> float:
     return max(MIN_STD_PX, least if least < 0.8 * usual else usual)
 
 
-def uncertain_std_px(xy_px: Float, certain: Mask, uncertain: Mask) -> float:
-    """Standard deviation of the uncertain points of one part, px: their median distance, in x and
-    y, from straight lines between the certain points around them.
-
-    xy_px: (frames, 2). 0 where there is nothing to compare.
-    """
-    good = certain & np.isfinite(xy_px).all(axis=1)
-    odd = uncertain & np.isfinite(xy_px).all(axis=1)
-    if good.sum() < MIN_FRAMES or not odd.any():
-        return 0.0
-    frames = np.arange(len(xy_px))
-    line = np.column_stack([np.interp(frames[odd], frames[good], c[good]) for c in xy_px.T])
-    return float(np.median(np.abs(xy_px[odd] - line)) / MAD_OF_NORMAL)
-
-
 def without_outliers(xy_px: Float, order: int = 6) -> Float:
     """Positions (frames, 2) with lone jumps made NaN: the middle of the largest differences."""
     half = order // 2
@@ -68,5 +51,5 @@ def _white_noise_std_px(difference: Float, order: int) -> float:
     whole = difference[np.isfinite(difference).all(axis=1)]
     if len(whole) < MIN_FRAMES:
         return float("nan")
-    deviation = np.median(np.abs(whole - np.median(whole, axis=0)), axis=0) / MAD_OF_NORMAL
+    deviation = np.median(np.abs(whole - np.median(whole, axis=0)), axis=0) / 0.6744898
     return float(np.sqrt(np.mean(deviation**2) / comb(2 * order, order)))

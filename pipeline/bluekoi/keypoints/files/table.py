@@ -11,7 +11,7 @@ import numpy as np
 
 from ...data import MIN_LIKELIHOOD, PARTS, Float, Keypoints, Mask, is_confident
 from ...errors import did_you_mean, input_error
-from .noise import MIN_FRAMES, uncertain_std_px, white_noise_px
+from .noise import white_noise_px
 
 Column = tuple[str, str]
 MAX_COORDINATE_PX = 1e6
@@ -169,9 +169,10 @@ def to_keypoints(
     """Keypoints of the robot in a table, under our names, times = frame / fps.
 
     `bodyparts` maps our part to the file's name (`individual/part` where several animals are
-    meant). Covariances are the white noise of the positions themselves (`noise.py`). A point of
-    `min_likelihood` or more that is not confident counts as one at the limit of confidence, with
-    the covariance that such points show.
+    meant). Covariances are the white noise of the positions themselves (`noise.py`). Points of
+    `min_likelihood` or more that are not confident count at the limit of confidence where most
+    points of a part are such ones: its network gives low values. Elsewhere they are left out, since
+    a network gives such values to points that it confuses.
 
     Raises: InputError where head direction or core centre cannot be had from the parts there are.
     """
@@ -185,28 +186,20 @@ def to_keypoints(
     inside = (time_s >= (start or 0.0) - 1e-9) & (time_s <= (np.inf if end is None else end) + 1e-9)
     order = list(chosen.values())
     xy, likelihood = table.xy_px[inside][:, order], table.likelihood[inside][:, order]
-    counted = np.where(
-        uncertain := is_uncertain(likelihood, min_likelihood), MIN_LIKELIHOOD, likelihood
+    likelihood = np.where(_uncertain_points(likelihood, min_likelihood), MIN_LIKELIHOOD, likelihood)
+    variance = np.array(
+        [white_noise_px(xy[:, i], likelihood[:, i]) ** 2 for i in range(len(order))]
     )
-    std = np.column_stack(
-        [_noise_std_px(xy[:, i], likelihood[:, i], uncertain[:, i]) for i in range(len(order))]
-    )
-    cov = np.where(np.isfinite(xy[..., :1]), std[..., None] ** 2, np.nan)[..., None] * np.eye(2)
+    cov = np.where(np.isfinite(xy[..., :1, None]), variance[:, None, None] * np.eye(2), np.nan)
     remarks = (*table.remarks, *remarks)
-    return Keypoints(time_s[inside], tuple(chosen), xy, counted, cov, remarks)
+    return Keypoints(time_s[inside], tuple(chosen), xy, likelihood, cov, remarks)
 
 
-def is_uncertain(likelihood: Float, min_likelihood: float = MIN_LIKELIHOOD_IN_FILE) -> Mask:
-    """Where a point of a file, of any shape, was seen, but not with confidence."""
-    return np.asarray((likelihood >= min_likelihood) & ~is_confident(likelihood))
-
-
-def _noise_std_px(xy: Float, likelihood: Float, uncertain: Mask) -> Float:
-    """Standard deviation (frames,) of one part, px; of uncertain points from their own scatter."""
-    certain = is_confident(likelihood)
-    some = int(np.sum(certain & np.isfinite(xy[:, 0]))) >= MIN_FRAMES
-    white = white_noise_px(xy, np.where(some, certain, certain | uncertain).astype(float))
-    return np.where(uncertain, max(white, uncertain_std_px(xy, certain, uncertain)), white)
+def _uncertain_points(likelihood: Float, min_likelihood: float) -> Mask:
+    """Where points (frames, parts) count although they are not confident."""
+    uncertain = (likelihood >= min_likelihood) & ~is_confident(likelihood)
+    most = 2 * uncertain.sum(axis=0) > (likelihood >= min_likelihood).sum(axis=0)
+    return np.asarray(uncertain & most)
 
 
 def _most_seen_individual(table: Table, wanted: Mapping[str, str]) -> tuple[str, tuple[str, ...]]:

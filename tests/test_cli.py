@@ -152,7 +152,9 @@ def test_check_reports_a_file_that_two_trials_take_whole(tmp_path):
     result = bluekoi("check", study)
     assert result.exit_code == 1
     assert "trial T11: found T10.csv, whole, as trial T10 has it" in result.output
-    edit_trials_csv(study, T10={"end_s": "1.5"}, T11={"start_s": "1.5"})
+    edit_trials_csv(study, T10={"end_s": "1.5"}, T11={
+        "start_s": "1.5", "head_angle_deg": "30", "head_length_m": "0.12",
+    })  # fmt: skip
     assert bluekoi("check", study).exit_code == 0
 
 

@@ -52,6 +52,7 @@ def test_the_factor_is_named_and_both_fits_run_in_true_time(factor):
     assert result["causes"][0]["name"] == "clock_error"
     assert result["causes"][0]["parameters"]["rate_error"]["value"] == pytest.approx(factor - 1)
     assert f"fps is {factor:g} times the true frame rate" in result["sentence"]
+    assert f"the motor log counts {1 / factor:.4g} turns a tail beat" in result["sentence"]
     assert result["probabilities"]["clock_error"] == 1.0
 
 

@@ -215,6 +215,27 @@ def test_bluekoi_design_answers_and_writes(study: Path, results: Path, tmp_path:
     assert "from, to, step" in wrong.output
 
 
+def test_simulate_says_where_it_extrapolates_and_whose_coefficients_it_uses(tmp_path):
+    study = small_study(tmp_path / "study")
+    words = ["simulate", str(study), "--seconds", "1", "--flap-hz"]
+    done = CliRunner().invoke(main, [*words, "5.82", "--head-angle-deg", "-45"])
+    assert done.stderr.count("Warning") == 1
+    assert "the coefficients are those of the paper" in done.stderr
+    far = ["9", "--head-angle-deg", "80", "--head-length-m", "0.3"]
+    said = CliRunner().invoke(main, [*words, *far]).stderr
+    for text in ("flapping frequency of 9 Hz", "head angle of 80 degrees", "head of 0.3 m"):
+        assert f"a {text} lies outside the tested" in said
+
+
+def test_a_command_that_needs_results_says_to_run_the_study_first(tmp_path):
+    study, empty = small_study(tmp_path / "study"), tmp_path / "empty"
+    empty.mkdir()
+    for name in ("design", "simulate"):
+        more = ["--flap-hz", "4"] if name == "simulate" else []
+        done = CliRunner().invoke(main, [name, str(study), "--results", str(empty), *more])
+        assert "no coefficients.json" in str(done.exception) + done.output
+
+
 def test_bluekoi_simulate_runs_manoeuvres_and_schedules(
     study: Path, results: Path, tmp_path: Path
 ) -> None:
@@ -379,7 +400,7 @@ def test_a_schedule_is_run_to_its_end_and_a_cut_is_reported(study: Path, tmp_pat
     file.write_text("time_s,flap_hz,head_angle_deg\n0,4,0\n15,4,0\n20,4,45\n")
     whole = CliRunner().invoke(main, ["simulate", str(study), "--schedule", str(file)])
     assert "after 20 s" in whole.output
-    assert "Warning" not in whole.output
+    assert "the schedule goes on" not in whole.output
     cut = CliRunner().invoke(main, ["simulate", str(study), "--schedule", str(file), "--seconds",
                                     "5"])  # fmt: skip
     assert "the schedule goes on to 20 s, the simulation ends at 5 s" in cut.output

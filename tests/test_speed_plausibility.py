@@ -20,10 +20,10 @@ from bluekoi.motor.swimming_plausibility import (
     tail_warnings,
 )
 from bluekoi.pose import rigid_pose
+from bluekoi.pose.plausibility import plausibility_findings
 from bluekoi.smoothing import smooth
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.outcome import outcome
-from bluekoi.stages.plausibility import plausibility_findings
 from bluekoi.stages.status import with_numerical_failures_explained
 from bluekoi.stages.tracks import tracks, trial_flapping
 from bluekoi.steady import steady_state

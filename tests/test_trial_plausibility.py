@@ -19,11 +19,11 @@ from bluekoi.keypoints.deeplabcut import read
 from bluekoi.motor import clock_ratio, flapping_compared_with_video
 from bluekoi.motor.power_consistency import power_warnings
 from bluekoi.pose import rigid_pose
+from bluekoi.pose.plausibility import first_jump, plausibility_findings, plausible_pose
 from bluekoi.preparation.input_check import file_findings
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.head_angle_sign import sign_finding
 from bluekoi.stages.keypoints import keypoints
-from bluekoi.stages.plausibility import first_jump, plausibility_findings
 from bluekoi.stages.tracks import _with_clock_remark, tracks, trial_flapping
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study, missing_files_of_trial
@@ -362,8 +362,42 @@ def test_a_copied_recording_is_no_further_trial(tmp_path):
     study = small_study(tmp_path / "study")
     copy, original = study / "keypoints/T11.csv", study / "keypoints/T10.csv"
     copy.write_bytes(original.read_bytes())
-    (finding,) = file_findings(load_study(study))
+    finding, *others = file_findings(load_study(study))
     assert "T11.csv, whole, as trial T10 has it (the same content as T10.csv)" in str(finding)
+    assert all("found a head angle of 30 degrees" in str(other) for other in others)
+
+
+def test_check_finds_what_a_run_would_refuse(tmp_path):
+    """Lengths, sides and the clock of the log, before anything is computed."""
+    study = small_study(tmp_path / "study")
+    assert file_findings(load_study(study)) == []
+    edit_trials_csv(study, T10={"head_angle_deg": "-30"}, T11={"head_length_m": "0.3"})
+    log = study / "motor/T09.csv"
+    header, *rows = log.read_text().split()
+    shifted = (f"{float(t) + 1.7e9:.3f},{a}" for t, a in (row.split(",") for row in rows))
+    log.write_text("\n".join([header, *shifted]) + "\n")
+    said = [str(one) for one in file_findings(load_study(study))]
+    for text in (
+        "trial T10: found a head angle of 30 degrees",
+        "trial T11: found head_tip to hinge of",
+        "T09.csv: time_s: found times from 1700000000",
+    ):
+        assert any(text in one for one in said), text
+
+
+def test_keypoints_that_repeat_are_named_as_such(study_with_turn):
+    study, trial, positions = study_with_turn
+    stopped = replace(positions, xy_m=positions.xy_m[np.arange(len(positions.xy_m)) // 20 * 20])
+    with pytest.raises(InputError, match=r"that stay in place, to the last digit, in 9[0-9] %"):
+        plausible_pose(study, trial, stopped)
+
+
+def test_a_log_of_a_part_of_the_recording_is_remarked(study_with_turn):
+    study, trial, positions = study_with_turn
+    assert not any("covers" in r for r in trial_flapping(study, trial, positions).remarks)
+    longer = replace(positions, time_s=positions.time_s * 4)
+    remarks = trial_flapping(study, trial, longer).remarks
+    assert any("the motor log covers 2" in r and "% of the recording" in r for r in remarks)
 
 
 def test_the_frame_rate_of_a_trial_without_a_log_is_checked_by_the_logs_of_its_power():

@@ -445,10 +445,40 @@ def test_times_are_said_as_a_person_does(s, text):
 
 def test_a_folder_at_work_is_held_and_let_go_with_the_process(tmp_path):
     handle = acquire_lock(tmp_path)
-    with pytest.raises(InputError, match="another run at work in this folder"):
+    with pytest.raises(InputError, match=f"another run at work .* end it .process {os.getpid()}"):
         acquire_lock(tmp_path)
     handle.close()
     acquire_lock(tmp_path).close()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a parent's end is a signal on Linux alone")
+def test_snakemake_ends_with_the_command_that_started_it_however_that_ended():
+    child = "from bluekoi.cli.snakemake_launcher import end_with_parent as e; import time; e(); "
+    child += "print('up', flush=True); time.sleep(60)"
+    parent = "import subprocess, sys; print(subprocess.Popen([sys.executable, '-c', sys.argv[1]])"
+    parent += ".pid, flush=True); import time; time.sleep(60)"
+    run = subprocess.Popen([sys.executable, "-c", parent, child], stdout=subprocess.PIPE, text=True)
+    first, second = run.stdout.readline(), run.stdout.readline()
+    pid = int(first if first.strip().isdigit() else second)
+    run.kill()
+    run.wait()
+    deadline = time.monotonic() + 20
+    while Path(f"/proc/{pid}").exists() and time.monotonic() < deadline:
+        if "Z" in Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]:
+            break
+        time.sleep(0.05)
+    else:
+        assert not Path(f"/proc/{pid}").exists()
+
+
+def test_results_of_trials_that_left_the_study_are_removed(workflow):
+    results = workflow.root / "results/study"
+    for folder in ("tracks", "status", "extended"):
+        source = next((results / folder).glob("T10.*"))
+        shutil.copy(source, source.with_name(source.name.replace("T10", "T99")))
+    assert workflow.snakemake().returncode == 0
+    assert not list(results.rglob("T99*"))
+    assert (results / "tracks/T10.csv").is_file()
 
 
 def test_only_locks_on_our_own_results_are_stale(tmp_path):

@@ -83,6 +83,8 @@ def read_json(path: str | Path) -> dict[str, Any]:
     """
     try:
         content = json.loads(read_text(path))
+    except FileNotFoundError as error:
+        raise input_error(path, "", "no such file", "a json object") from error
     except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
         raise input_error(path, "", f"no readable json ({error})", "a json object") from error
     except RecursionError as error:
@@ -120,6 +122,10 @@ def flatten_mapping(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _write_error(path: Path, error: OSError) -> Exception:
+    if isinstance(error, (IsADirectoryError, NotADirectoryError, FileExistsError)):
+        found = "a folder" if path.is_dir() else "a file where a folder is needed"
+        remedy = "Name another file, or choose another results folder."
+        return input_error(path, "", found, "the name of a file in a folder", remedy)
     return input_error(
         path,
         "",

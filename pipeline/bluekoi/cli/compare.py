@@ -49,7 +49,14 @@ def compare(first: Path, second: Path, out: Path | None, everything: bool) -> No
 
 
 def _results_folder(path: Path) -> Path:
-    """A results folder as such, else that of a study."""
+    """A results folder as such, else that of a study.
+
+    Raises: InputError where it is a file.
+    """
+    if path.is_file():
+        from ..errors import input_error  # noqa: PLC0415
+
+        raise input_error(path, "", "a file", "a study folder or a results folder")
     results = any((path / name).is_file() for name in ("coefficients.json", "mismatch.json"))
     return path if results else results_folder(path, None)
 

@@ -23,6 +23,8 @@ MANOEUVRE_NAMES = ("s-turn", "underpowered-turn", "start-stop")
 """Manoeuvres that the command knows by name."""
 STEP_S = 1 / 60
 """Interval between the rows of a simulated path."""
+TOLERANCE = 1e-3
+"""Share by which a command may exceed what was tested without a warning."""
 PICTURE_SUFFIXES = (".png", ".pdf", ".svg")
 """Kinds of picture that a path can be drawn to."""
 
@@ -77,7 +79,10 @@ def simulate(
     if schedule is not None or manoeuvre is not None:
         _print_distance_and_turn(run)
     _save_path(run, commands, setup, length, out=out, picture=picture)
-    for sentence in _warnings(fit, run, commands, power_pct):
+    for sentence in (
+        *_warnings(fit, run, commands, power_pct),
+        *_untested_conditions(loaded, commands, length, fit, by_power=power_pct is not None),
+    ):
         click.echo(f"Warning: {sentence}.", err=True)
 
 
@@ -139,6 +144,28 @@ def _warnings(
     return out
 
 
+def _untested_conditions(
+    study: Study, commands: Schedule, head_length_m: float, fit: Fitted, *, by_power: bool
+) -> list[str]:
+    """Sentences on commands and a head beyond those of the trials; a power has its own."""
+    angles = [abs(math.degrees(angle)) for angle in commands.head_angle_rad]
+    frequencies = [hz for hz in commands.flap_hz if hz > 0]
+    tested = [
+        ("head angle", angles, [0.0, *(abs(t.head_angle_deg) for t in study.trials)], "degrees"),
+        ("head", [head_length_m], [t.head_length_m for t in study.trials], "m"),
+    ]
+    if not by_power:
+        tested.append(("flapping frequency", frequencies, list(fit.flap_hz.values()), "Hz"))
+    out = []
+    for name, asked, known, unit in tested:
+        low, high = min(known), max(known)
+        beyond = [v for v in asked if not low - TOLERANCE * high <= v <= high + TOLERANCE * high]
+        if beyond:
+            out.append(f"a {name} of {max(beyond):.4g} {unit} lies outside the tested {low:.4g} to "
+                       f"{high:.4g} {unit}: the model is extrapolated")  # fmt: skip
+    return out
+
+
 def _load_fit(results: Path | None, model: str | None, study: Study) -> Fitted:
     from ..design_space import Fitted, load_fitted  # noqa: PLC0415
     from ..model import FLAP_HZ, TABLE_1, plates  # noqa: PLC0415
@@ -146,7 +173,8 @@ def _load_fit(results: Path | None, model: str | None, study: Study) -> Fitted:
     if results is not None:
         return load_fitted(results, model=model, study=study)
     hz = {float(power): value for power, value in FLAP_HZ.items()}
-    return Fitted(plates().values(TABLE_1[100])[None], hz, "Table I at 100 %")
+    text = "without --results the coefficients are those of the paper (Table I at 100 %)"
+    return Fitted(plates().values(TABLE_1[100])[None], hz, "Table I at 100 %", (text,))
 
 
 def _flapping_frequency(flap_hz: float | None, power_pct: float | None, fit: Fitted) -> float:

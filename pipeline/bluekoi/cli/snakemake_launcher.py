@@ -7,6 +7,8 @@ of the interruption: they only report how Snakemake stops.
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import logging
 import signal
 import sys
@@ -14,6 +16,9 @@ import threading
 import warnings
 
 from ..errors import EXIT_INTERRUPTED, INTERRUPTED_MESSAGE
+
+PR_SET_PDEATHSIG = 1
+"""Linux: the signal that a process gets when its parent ends (prctl(2))."""
 
 
 class Interruption:
@@ -50,6 +55,13 @@ class Interruption:
             sys.stderr.write(f"\n{INTERRUPTED_MESSAGE}\n")
 
 
+def end_with_parent() -> None:
+    """Let Snakemake end, after the jobs at work, where the command that started it was killed."""
+    if sys.platform == "linux":
+        with contextlib.suppress(OSError, AttributeError):
+            ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
 def main() -> None:
     """Run Snakemake on the words of the command line.
 
@@ -57,6 +69,7 @@ def main() -> None:
     and that import is an eighth of a run in which nothing is due.
     Raises SystemExit as Snakemake does, with 130 where it was interrupted before all was done.
     """
+    end_with_parent()
     interruption = Interruption()
     logging.getLogger("snakemake.logging").addFilter(_is_not_profile_notice)
     sys.modules.setdefault("pandas", None)  # type: ignore[arg-type]

@@ -15,6 +15,8 @@ from .types import Float
 
 MIN_LIKELIHOOD = 0.6
 """Likelihood from which a keypoint counts as seen: the cut-off that DeepLabCut uses."""
+MIN_POSE_FRAMES = 8
+"""Frames with a pose without which a motion cannot be smoothed."""
 MAX_STD_OVER_USUAL = 10.0
 """Standard deviation over the usual one of its trial above which a frame counts as poorly seen."""
 

@@ -61,6 +61,9 @@ def load_fitted(
     Raises: InputError where the folder has no fit, an incomplete one, or no extended one.
     """
     path, detail = results / "coefficients.json", results / "mismatch_detail.json"
+    if not path.is_file():
+        remedy = "Run the study first (bluekoi run STUDY), or name its results with --results."
+        raise input_error(results, "", "no coefficients.json", "the results of a run", remedy)
     found = read_json(path)
     verdict = _read_verdict(results / "mismatch.json") if detail.is_file() else "none"
     chosen = model or ("extended" if verdict == "physics" else "joint")

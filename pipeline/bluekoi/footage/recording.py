@@ -51,6 +51,11 @@ class Recording:
     time_base_s: float = 1.0
     first_luma: Luma | None = field(default=None, repr=False, compare=False)
 
+    @property
+    def duration_s(self) -> float:
+        """Length of the whole recording by the number of its frames and their rate."""
+        return self.frames_present / (self.fps or self.nominal_fps)
+
 
 def open_recording(
     paths: Sequence[Path],

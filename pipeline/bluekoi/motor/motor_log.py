@@ -79,6 +79,22 @@ def flapping_from_log(path: str | Path) -> Flapping:
     )
 
 
+def log_coverage(path: str | Path, flapping: Flapping, recording_s: tuple[float, float]) -> float:
+    """Share of a recording, from begin to end in seconds, during which its motor was logged.
+
+    Raises: InputError where the log is of another time.
+    """
+    begin, end = recording_s
+    first, last = float(flapping.time_s[0]), float(flapping.time_s[-1])
+    if first < end and last > begin:
+        return (min(last, end) - max(first, begin)) / (end - begin)
+    raise input_error(
+        path, "time_s", f"times from {first:.10g} to {last:.10g} s",
+        f"times of the recording, {begin:.4g} to {end:.4g} s",
+        "Time 0 is the first frame of the recording: subtract its time from the column.",
+    )  # fmt: skip
+
+
 def read_log(path: str | Path) -> tuple[Float, Float, tuple[str, ...]]:
     """Times (samples,) s, shaft angles (samples,) rad and remarks from a motor log.
 

@@ -9,21 +9,21 @@ from pathlib import Path
 
 import numpy as np
 
-from ..camera import pool_camera
-from ..data import Keypoints, is_confident
+from ..camera import map_keypoints, pool_camera
+from ..data import MIN_POSE_FRAMES, Keypoints, is_confident
 from ..errors import Finding, InputError, input_error
 from ..footage import open_recording
 from ..keypoints import source_module
 from ..keypoints.files.table import MIN_LIKELIHOOD_IN_FILE
 from ..motor import flapping_from_log
+from ..motor.motor_log import log_coverage
 from ..pose.body import RIGID_PARTS
 from ..pose.fit import usable_frames
+from ..pose.plausibility import plausible_pose
 from ..study import Setup, Study, Trial
 from ..study.consistency_rules import robot_warnings
 from ..study.recording_pixels import setup_in_film_pixels
 
-MIN_FRAMES = 2
-"""Usable frames that a keypoint file must have."""
 FREQUENCY_TOLERANCE = 0.05
 """Relative difference of `flap_hz` and the frequency of the motor log above which they
 contradict each other.
@@ -96,21 +96,28 @@ def _duplicate_files(paths: set[Path]) -> dict[Path, Path]:
 
 
 def _check_readable(study: Study, trial: Trial) -> None:
-    """Raises: InputError where a trial's motor log, keypoints or film cannot be read, or where the
-    log contradicts flap_hz.
+    """Raises: InputError where a trial's motor log, keypoints or film cannot be read, where the
+    keypoints cannot be those of the robot, or the log is of another time or contradicts flap_hz.
     """
-    if (log := study.motor_path(trial)) is not None:
-        _check_stated_frequency(study, trial, flapping_from_log(log).flap_hz)
     if trial.reads_keypoints:
         path = study.paths(trial)[0]
-        _check_usable_frames(
-            path, source_module("deeplabcut").read(path, trial, study.setup.bodyparts)
+        found = source_module("deeplabcut").read(path, trial, study.setup.bodyparts)
+        _check_usable_frames(path, found)
+        positions = map_keypoints(
+            pool_camera(study.setup), found, study.setup.robot.keypoint_depth_m
         )
+        plausible_pose(study, trial, positions)
+        end_s = float(found.time_s[-1])
     else:
         film = open_recording(
             study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
         )
         setup_in_film_pixels(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
+        end_s = trial.end_s or film.duration_s
+    if (log := study.motor_path(trial)) is not None:
+        flapping = flapping_from_log(log)
+        log_coverage(log, flapping, (trial.start_s or 0.0, end_s))
+        _check_stated_frequency(study, trial, flapping.flap_hz)
 
 
 def _check_stated_frequency(study: Study, trial: Trial, log_hz: float) -> None:
@@ -123,7 +130,7 @@ def _check_stated_frequency(study: Study, trial: Trial, log_hz: float) -> None:
 
 
 def _check_usable_frames(path: Path, found: Keypoints) -> None:
-    """Raises: InputError where fewer than `MIN_FRAMES` frames show a head direction and a
+    """Raises: InputError where fewer than `MIN_POSE_FRAMES` frames show a head direction and a
     core.
     """
     sure = dict(zip(found.names, is_confident(found.likelihood.T), strict=True))
@@ -131,10 +138,10 @@ def _check_usable_frames(path: Path, found: Keypoints) -> None:
     frames = int(
         usable_frames(np.column_stack([sure.get(name, never) for name in RIGID_PARTS])).sum()
     )
-    if frames < MIN_FRAMES:
+    if frames < MIN_POSE_FRAMES:
         raise input_error(
             path, "", f"{frames} of {len(found.time_s)} frames with head_tip and two of "
             f"{', '.join(RIGID_PARTS[1:])} at likelihood {MIN_LIKELIHOOD_IN_FILE} or more",
-            f"{MIN_FRAMES} at least",
+            f"{MIN_POSE_FRAMES} at least",
             "Are the likelihoods there, and are the names under bodyparts: the right ones?",
         )  # fmt: skip

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Float, Pose, Track
+from ..data import MIN_POSE_FRAMES, Float, Pose, Track
 from ..errors import input_error
 from .gaps import with_calibrated_gaps
 from .grid import Grid, filter_grid
@@ -19,7 +19,6 @@ from .nominal_motion import rough_speed
 from .speed import speed_and_std
 from .state_space_fit import KnownMotion, cost_with_moving_start, fit_angle, fit_position
 
-MIN_FRAMES = 8
 MIN_LOG_LIK_GAIN_MOVING = 12.0
 """Gain in twice the log likelihood that decides between a start from rest and one in motion; in
 doubt the body starts from rest, as trials do."""
@@ -75,9 +74,11 @@ def _smooth_with_calibrated_gaps(fitted: FittedModel, coords: int) -> SmoothedSt
 
 def _check_enough_frames(pose: Pose) -> None:
     seen = int(np.isfinite(pose.values[:, :3]).all(axis=1).sum())
-    if seen < MIN_FRAMES:
+    if seen < MIN_POSE_FRAMES:
         remedy = "Check the detection of this trial; a longer recording may help."
-        raise input_error("pose", "", f"{seen} frames with a pose", f"{MIN_FRAMES} or more", remedy)
+        raise input_error(
+            "pose", "", f"{seen} frames with a pose", f"{MIN_POSE_FRAMES} or more", remedy
+        )
 
 
 def _fitted_models(values: Float, cov: Float, grid: Grid, hz: float) -> Pair:
@@ -112,7 +113,7 @@ def _smooth_head_angle(angle: Float, variance: Float, grid: Grid, hz: float) -> 
     """Head angle by a model of its own; NaN where it is seen in fewer than 8 frames."""
     n = int(grid.frame.sum())
     value, std = np.full(n, np.nan), np.full(n, np.nan)
-    if np.isfinite(angle).sum() >= MIN_FRAMES:
+    if np.isfinite(angle).sum() >= MIN_POSE_FRAMES:
         found = fit_angle(
             angle, variance, grid, speed=np.ones(len(angle)), flap_hz=hz, resting=True
         )

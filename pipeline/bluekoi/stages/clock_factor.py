@@ -139,14 +139,16 @@ def with_clock_cause(
         "credible_set": [CLOCK_CAUSE],
         "log_evidence_gain": 0.5 * factor.sigmas**2,
         "sentence": f"The frame rate is wrong by a factor: {said}. The tail beats "
-        f"{factor.value:.4g} times as fast in the video as the motor does.",
+        f"{factor.value:.4g} times as fast in the video as the motor does. If fps is right, the "
+        "shaft of the log is not that of the tail (a gear between them).",
     }
     others = [c for c in content["causes"] if c is not fine]
     rest = f" In true time: {content['sentence']}"
     return {
         **content,
         "verdict": clock_error.KIND,
-        "sentence": f"Measurement error: clock_error, {said}.{rest}",
+        "sentence": f"Measurement error: clock_error, {said} (or the motor log counts "
+        f"{1 / factor.value:.4g} turns a tail beat: check both).{rest}",
         "causes": [cause, *others],
         "rivals": [r for r in content["rivals"] if r["name"] != CLOCK_CAUSE],
         "probabilities": {**content["probabilities"], CLOCK_CAUSE: 1.0},

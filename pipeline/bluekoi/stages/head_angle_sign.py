@@ -14,9 +14,9 @@ import numpy as np
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..errors import Finding, InputError
 from ..pose import rigid_pose
+from ..pose.plausibility import plausibility_findings
 from ..study import Study, Trial
 from .keypoints import detect_in_footage
-from .plausibility import plausibility_findings
 
 MIN_FOUND_SHARE = 0.5
 """Share of the frames in which the robot must be found with the other sign."""

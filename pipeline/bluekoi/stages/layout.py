@@ -52,6 +52,13 @@ class Layout:
         """How the overlay of a trial went."""
         return self.root / "status" / "overlays" / f"{trial_id}.json"
 
+    def of_trial(self, trial_id: str) -> tuple[Path, ...]:
+        """All files of one trial."""
+        own = (self.detection, self.status, self.overlay, self.overlaid)
+        paths = (self.root / folder / f"{trial_id}.csv" for folder in ("simulations", "extended"))
+        stages = (*self.of_detection(trial_id), *self.of_tracks(trial_id))
+        return (*stages, *(path(trial_id) for path in own), *paths)
+
     @property
     def geometry(self) -> Path:
         """What the rigid distances say about scale, lens, pose and depth."""

@@ -11,7 +11,7 @@ import numpy as np
 from ..camera.calibration_uncertainty import calibration_covariance_at_places
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
-from ..data import Flapping, Pose, Positions, Steady, Track, write_pose, write_track
+from ..data import Flapping, Positions, Steady, Track, write_pose, write_track
 from ..errors import InputError, input_error
 from ..files import read_json
 from ..keypoints.deeplabcut import read_detections
@@ -23,13 +23,14 @@ from ..motor import (
     tail_beat_from_video,
     tail_beat_lag,
 )
+from ..motor.motor_log import log_coverage
 from ..motor.swimming_plausibility import (
     CHECK_LENGTHS_REMEDY,
     implausible_numbers,
     swimming_numbers,
     tail_length_seen,
 )
-from ..pose import rigid_pose
+from ..pose.plausibility import plausible_pose
 from ..smoothing import smooth_with_noise_ratio
 from ..smoothing.systematic_error import with_systematic_error
 from ..steady import steady_state, write_steady
@@ -38,7 +39,6 @@ from .compiling import load_smoother as preload
 from .depth import keypoint_depth
 from .head_angle_sign import sign_finding
 from .layout import Layout
-from .plausibility import plausibility_findings
 from .pool_edges import check_pool_edges
 from .status import run_with_status
 
@@ -46,6 +46,10 @@ __all__ = ["preload", "tracks", "trial_flapping"]
 
 CLOCK_TOLERANCE_SHARE = 0.01
 """Clocks of motor and video that differ by a larger share make a steady speed doubtful."""
+
+
+MIN_LOGGED_SHARE = 0.5
+"""Logged share of a recording below which the track carries a remark."""
 
 
 def tracks(study: Path, results: Path, trial_id: str, *, inputs: str = "") -> None:
@@ -72,7 +76,7 @@ def _write_track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     depth = keypoint_depth(study.setup, layout)
     positions = map_keypoints(camera, found, depth)
     try:
-        pose = _plausible_pose(study, trial, positions)
+        pose = plausible_pose(study, trial, positions)
     except InputError:
         if sign := sign_finding(study, trial, camera, depth):
             raise InputError([sign]) from None
@@ -106,30 +110,10 @@ def _write_track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     }
 
 
-def _plausible_pose(study: Study, trial: Trial, positions: Positions) -> Pose:
-    try:
-        pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
-    except (np.linalg.LinAlgError, ArithmeticError) as error:
-        raise _error_without_pose(study, trial) from error
-    if wrong := plausibility_findings(study, trial, positions, pose):
-        raise InputError(wrong)
-    return pose
-
-
 def _recoil_hz(flapping: Flapping) -> float:
     """Flapping frequency in the video's clock, where that is another than the motor's."""
     wrong = not flapping.agrees and np.isfinite(flapping.ratio)
     return flapping.flap_hz * (flapping.ratio if wrong else 1.0)
-
-
-def _error_without_pose(study: Study, trial: Trial) -> InputError:
-    return input_error(
-        study.paths(trial)[0],
-        f"trial {trial.trial_id}",
-        "keypoints that no rigid body can have, such as several parts in one place",
-        "head_tip, hinge, core_center and tail_base at their distances",
-        "Look at the labels of this trial.",
-    )
 
 
 def _error_of_unsolvable_fit(study: Study, trial: Trial, error: Exception) -> InputError:
@@ -166,7 +150,7 @@ def trial_flapping(study: Study, trial: Trial, positions: Positions) -> Flapping
     """
     log = study.motor_path(trial)
     if log is not None:
-        flapping = flapping_from_log(log)
+        flapping = _with_coverage_remark(log, flapping_from_log(log), positions)
     elif trial.flap_hz is not None:
         flapping = flapping_from_stated_frequency(trial.flap_hz)
     else:
@@ -178,6 +162,16 @@ def trial_flapping(study: Study, trial: Trial, positions: Positions) -> Flapping
         return found
     lag, std = tail_beat_lag(positions, flapping)
     return replace(found, beat_lag_rad=lag, beat_lag_std_rad=std)
+
+
+def _with_coverage_remark(log: Path, flapping: Flapping, positions: Positions) -> Flapping:
+    share = log_coverage(log, flapping, (positions.time_s[0], positions.time_s[-1]))
+    if share >= MIN_LOGGED_SHARE:
+        return flapping
+    remark = (
+        f"the motor log covers {100 * share:.0f} % of the recording; its frequency is used for all"
+    )
+    return replace(flapping, remarks=(*flapping.remarks, remark))
 
 
 def _flapping_from_video(study: Study, trial: Trial, positions: Positions) -> Flapping:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import os
 import re
 from pathlib import Path
 from typing import IO
@@ -19,16 +20,23 @@ def acquire_lock(results: Path) -> IO[str]:
 
     Raises: InputError where another run holds it.
     """
-    handle = (results / ".lock").open("w", encoding="utf-8")
+    handle = (results / ".lock").open("a+", encoding="utf-8")
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError as error:
+        handle.seek(0)
+        process = handle.read(20).strip() or "unknown"
         handle.close()
         found, expected = "another run at work in this folder", "one run at a time"
-        remedy = "Wait for it to end, or choose another results folder."
+        remedy = (
+            f"Wait for it to end, or end it (process {process}), or choose another results folder."
+        )
         raise input_error(results, "", found, expected, remedy) from error
     except OSError:
-        return handle  # a file system without locks: Snakemake's own lock still stands
+        pass  # a file system without locks: Snakemake's own lock still stands
+    handle.truncate(0)
+    handle.write(f"{os.getpid()}\n")
+    handle.flush()
     return handle
 
 

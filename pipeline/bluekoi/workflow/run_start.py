@@ -18,7 +18,12 @@ from .lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from .plan import Plan, make_plan
 from .provenance import PACKAGE_FOLDER, fingerprint
 from .settings import check_settings
-from .stage_inputs import input_hashes, outdated_stages, remove_outdated_results
+from .stage_inputs import (
+    input_hashes,
+    outdated_stages,
+    remove_outdated_results,
+    remove_results_of_other_trials,
+)
 
 
 def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
@@ -55,6 +60,7 @@ def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
     record_file_states(plan.study, plan.results)
     plan.remove_due_markers()
     remove_outdated_results(plan)
+    remove_results_of_other_trials(plan)
     return plan
 
 

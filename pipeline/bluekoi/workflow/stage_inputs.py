@@ -59,6 +59,14 @@ def remove_outdated_results(plan: Plan) -> None:
     write_json(_record(plan), hashes)
 
 
+def remove_results_of_other_trials(plan: Plan) -> None:
+    """Remove what earlier runs made of trials that the study no longer has."""
+    layout, known = Layout(plan.results), set(plan.trials)
+    for example in layout.of_trial("*"):
+        stale = [p for p in example.parent.glob(example.name) if p.name.split(".")[0] not in known]
+        remove_files(stale)
+
+
 def _record(plan: Plan) -> Path:
     return plan.results / "status" / "stages" / "inputs.json"
 

@@ -7,12 +7,16 @@ recording. One such trial would bias the fit to all trials.
 
 from __future__ import annotations
 
+import itertools
+from dataclasses import replace
+
 import numpy as np
 
 from ..data import Float, Pose, Positions
-from ..errors import Finding
-from ..pose.body import body_lengths, trusted_points
+from ..errors import Finding, InputError, input_error
 from ..study import Study, Trial
+from . import rigid_pose
+from .body import body_lengths, trusted_points
 
 MAX_LENGTH_ERROR_SHARE, MAX_LENGTH_ERROR_M = 0.25, 0.02
 """Largest error of a rigid part's length on the trial's scale: the larger of share and length."""
@@ -25,8 +29,36 @@ OUTSIDE_POOL_SHARE, OUTSIDE_FRAMES_SHARE = 0.1, 0.25
 MIN_JUMP_LENGTHS, MAX_JUMP_DURATION_S, MIN_JUMP_STEP_RATIO = 0.5, 0.1, 10.0
 """A jump: half a body length and ten usual steps within 0.1 s, without coming back."""
 MEDIAN_HALF_WINDOW_FRAMES = 3
+MAX_REPEATED_SHARE = 0.75
+"""Share of the frames that may repeat the frame before, point by point: a recording whose rate was
+raised by a player shows each picture up to four times."""
 TRAVEL_DIRECTION_BASE_BODY_LENGTHS = 0.25
 """Directions of travel are taken over so many body lengths, at any frame rate."""
+
+
+def plausible_pose(study: Study, trial: Trial, positions: Positions) -> Pose:
+    """`rigid_pose` of a trial that may be as it is.
+
+    Raises: InputError with all that cannot be right about the trial.
+    """
+    source, place = study.paths(trial)[0], f"trial {trial.trial_id}"
+    if frozen := _repeated_frames_findings(str(source), place, positions):
+        raise InputError(frozen)
+    try:
+        pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
+    except InputError as error:
+        raise InputError([replace(f, file=str(source)) for f in error.findings]) from error
+    except (np.linalg.LinAlgError, ArithmeticError) as error:
+        raise input_error(
+            source,
+            place,
+            "keypoints that no rigid body can have, such as several parts in one place",
+            "head_tip, hinge, core_center and tail_base at their distances",
+            "Look at the labels of this trial.",
+        ) from error
+    if wrong := plausibility_findings(study, trial, positions, pose):
+        raise InputError(wrong)
+    return pose
 
 
 def plausibility_findings(
@@ -42,6 +74,18 @@ def plausibility_findings(
         *_backwards_findings(str(study.paths(trial)[0]), place, study, pose),
         *_jump_findings(str(study.paths(trial)[0]), place, study, pose),
     ]
+
+
+def _repeated_frames_findings(source: str, place: str, positions: Positions) -> list[Finding]:
+    xy, _ = trusted_points(positions)
+    xy = xy[np.isfinite(xy).any(axis=(1, 2))]
+    same = [np.array_equal(a, b, equal_nan=True) for a, b in itertools.pairwise(xy)]
+    if len(same) < 2 or np.mean(same) <= MAX_REPEATED_SHARE:
+        return []
+    share = 100 * np.mean(same)
+    found = f"keypoints that stay in place, to the last digit, in {share:.0f} % of the frames"
+    remedy = "Was the tracking stopped, or a lost robot filled in with its last place?"
+    return [Finding(source, place, found, "keypoints measured in each frame", remedy)]
 
 
 def _length_findings(

@@ -26,9 +26,8 @@ from .problem import MAX_SEARCH_TRIALS, Problem
 STEP_TOLERANCE_STDS = 0.1
 """A fit ends with a step of this many standard deviations in the mean square."""
 SMALL_FORCE_SHARE, SMALL_FORCE_CORRELATION_TIME_S = 0.05, 0.5
-"""Second start of the noise estimate, whose likelihood has several maxima: random forces of this
-share of those at the first start. `python -m validation noise-starts` measures what it gains: in 4
-sets of two studies up to 14 in the log; none of nine such starts is the best in every set."""
+"""Second start of the noise estimate, whose likelihood has several maxima, at this share of the
+random forces of the first: gains up to 14 in log (`python -m validation noise-starts`, 4 sets)."""
 MAX_NOISE_ROUNDS, NOISE_STEPS, MIN_ROUND_GAIN_LOG_LIK = 6, 6, 0.3
 """Limits of the computing time: rounds in which noise and numbers are fitted in turn, quasi-Newton
 steps of each, and the log likelihood below which another round is not worth its time."""

@@ -211,6 +211,21 @@ def test_white_noise_is_found_under_swimming_tail_beat_and_outliers(sigma):
     assert white_noise_px(xy, np.ones(240)) == pytest.approx(sigma, rel=0.35)
 
 
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda rows: rows[2].__setitem__(3, "likelyhood"),
+         r"coords, column 4: found 'likelyhood'; .*Did you mean 'likelihood'"),
+        (lambda rows: [row.pop() for row in rows], "part 'tail_tip' without a likelihood"),
+    ],
+)  # fmt: skip
+def test_a_damaged_header_of_coordinates_is_named(change, message, tmp_path):
+    rows = keypoint_rows()
+    change(rows)
+    with pytest.raises(InputError, match=message):
+        deeplabcut.read(write_csv(tmp_path / "k.csv", rows), make_trial())
+
+
 def file_of_a_motion(path: Path, likelihood: np.ndarray, *, scorer: str = "net") -> None:
     """Positions with noise of 0.4 px on a wavy path, all parts at the likelihood of their frame."""
     rng, n = np.random.default_rng(8), len(likelihood)

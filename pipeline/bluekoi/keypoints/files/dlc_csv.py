@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ...errors import InputError, input_error, unreadable_reason
+from ...errors import InputError, did_you_mean, input_error, unreadable_reason
 from .table import Table, build_table, frame_numbers
 
 HEADER_ROWS = ("scorer", "individuals", "bodyparts", "coords")
@@ -29,6 +29,7 @@ def read_csv(path: Path) -> Table:
         raise input_error(
             path, "coords", ", ".join(header["coords"][:4]), "x, y[, likelihood] a part"
         )
+    _check_coordinates(path, header, first)
     width = len(header["coords"])
     if not body:
         raise input_error(path, "", "a header without a single frame", "a row a frame")
@@ -83,6 +84,24 @@ def _split_header(
             path, "header", f"rows of {sorted(set(widths.values()))} cells", EXPECTED_LAYOUT
         )
     return header, rows[len(header) :]
+
+
+def _check_coordinates(path: Path, header: dict[str, list[str]], first: int) -> None:
+    """Raises: InputError for a column of another name, or a part that lacks a likelihood."""
+    for number, name in enumerate(header["coords"][first:], start=first + 1):
+        if name not in COORDINATES:
+            raise input_error(
+                path, f"coords, column {number}", f"'{name}'", ", ".join(COORDINATES),
+                did_you_mean(name, COORDINATES),
+            )  # fmt: skip
+    owners = header.get("individuals", [""] * len(header["coords"]))
+    points = list(zip(owners, header["bodyparts"], header["coords"], strict=True))[first:]
+    rated = {(who, part) for who, part, name in points if name == "likelihood"}
+    bare = [part for who, part, _ in points if (who, part) not in rated]
+    if rated and bare:
+        found = f"part '{bare[0]}' without a likelihood, which others have"
+        raise input_error(path, "coords", found, "a likelihood for each part, or for none",
+                          "Was a column cut off?")  # fmt: skip
 
 
 def _parse_cells(

@@ -16,7 +16,7 @@ from bluekoi.keypoints.deeplabcut import read
 from bluekoi.model import plates
 from bluekoi.pose import rigid_pose
 from bluekoi.smoothing import smooth
-from bluekoi.stages.mismatch import with_clock_measurement
+from bluekoi.stages.clock_measurement import with_clock_measurement
 from bluekoi.stages.tracks import trial_flapping
 from bluekoi.steady import steady_state
 from bluekoi.study import Study, load_study

@@ -50,7 +50,7 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
             _copy_into(P, filtered[k])
             for i in range(a):
                 after[k, i] = d[0, i]
-        _set_to_zero(u, U, by_variance[t], by_memory[t], by_scales[t])
+        _clear_gradients(u, U, by_variance[t], by_memory[t], by_scales[t])
         for k in range(counts[t] - 1, -1, -1):
             _adjoints_before_update(
                 u[0], U, H[t, k], predicted[k], roots[k], errors[k], residual[t, k], noise[t, k],
@@ -79,8 +79,8 @@ def _copy_into(A, out) -> None:  # type: ignore[no-untyped-def]
 
 
 @njit_nogil_fast
-def _set_to_zero(u, U, by_variance, by_memory, by_scales) -> None:  # type: ignore[no-untyped-def]
-    """All 0; u[1] is workspace."""
+def _clear_gradients(u, U, by_variance, by_memory, by_scales) -> None:  # type: ignore[no-untyped-def]
+    """The arrays of the gradient at 0, before the first frame adds to them; u[1] is workspace."""
     for i in range(len(U)):
         u[0, i], by_variance[i], by_memory[i] = 0.0, 0.0, 0.0
         for k in range(len(U)):

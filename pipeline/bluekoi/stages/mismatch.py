@@ -28,7 +28,8 @@ from ..motor import log_lead_from_beat_phases
 from ..study import Setup, Study, load_study
 from ..study.data_split import held_out_trials
 from ..tuning import downsampled
-from .clock_factor import CLOCK_STD_SHARE, correct_clock, with_clock_cause
+from .clock_factor import correct_clock, with_clock_cause
+from .clock_measurement import with_clock_measurement
 from .compiling import load_model_with_effects as preload
 from .layout import Layout, remove_files
 from .status import has_measured_lengths, with_numerical_failures_explained
@@ -36,12 +37,6 @@ from .tuning import campaign_flapping, campaign_series
 
 __all__ = ["mismatch", "preload"]
 
-STATED_FREQUENCY_STD_SHARE = (
-    0.01  # ASSUME `flap_hz`, the steady frequency of a log, is right to 1 %
-)
-UNCHECKED_FRAME_RATE_STD_SHARE = (
-    0.05  # ASSUME a frame rate that no tail beat checks is right to 5 %
-)
 LOST_TIME_STD_S = 0.005  # ASSUME a motor counts as starting at once that loses a reading's time
 DRIFT_STD_PER_S = 0.0003  # ASSUME a supply counts as steady that loses 0.2 % of speed in 6 s
 MOTOR_FORMULA_STD_SHARE = 0.2  # ASSUME a motor follows the formula of its spin-up or sag to 20 %
@@ -89,36 +84,6 @@ def mismatch(study: Path, results: Path) -> None:
         if cause["name"] in laws:
             cause["law"] = laws[cause["name"]]
     write_json(Layout(results).mismatch, with_clock_cause(content, factors, len(series)))
-
-
-def with_clock_measurement(
-    series: Sequence[Series], flapping: Mapping[str, Flapping]
-) -> list[Series]:
-    """Series with the tail beat seen against the motor's as evidence on the clock.
-
-    A clock is wrong by one share in all trials. By how much more than their errors the ratios
-    differ (a supply that sags under load) is therefore an error that all of them share, and so is
-    that of a frequency that was stated and not logged. Where no trial shows its tail beat, nothing
-    but the statement speaks for the frame rate.
-    """
-    beats = {s.name: flapping[s.name] for s in series}
-    clocks = {name: (b.video_hz / b.flap_hz - 1, b.video_hz_std / b.flap_hz)
-            for name, b in beats.items() if b.flap_hz > 0 and np.isfinite(b.video_hz)}  # fmt: skip
-    if not clocks:
-        unchecked = {
-            "clock_ratio": (0.0, UNCHECKED_FRAME_RATE_STD_SHARE * float(np.sqrt(len(series))))
-        }
-        return [replace(s, evidence={**s.evidence, **unchecked}) for s in series]
-    ratio, own = np.array(list(clocks.values())).reshape(-1, 2).T
-    own = np.nan_to_num(own)
-    apart = max(float(np.var(ratio) - np.mean(own**2)), 0.0) if len(ratio) > 1 else 0.0
-    stated = np.array(
-        [STATED_FREQUENCY_STD_SHARE * (beats[name].source != "motor_log") for name in clocks]
-    )
-    std = np.sqrt(CLOCK_STD_SHARE**2 + own**2 + len(ratio) * (apart + stated**2))
-    evidence = {name: {"clock_ratio": (float(r), float(s))}
-                for name, r, s in zip(clocks, ratio, std, strict=True)}  # fmt: skip
-    return [replace(s, evidence={**s.evidence, **evidence.get(s.name, {})}) for s in series]
 
 
 def with_delay_measurement(

@@ -1,0 +1,80 @@
+"""The tail beat seen, compared with the motor's, as a measurement of the video's clock.
+
+A clock is wrong by one share in all trials. The ratios of the trials differ for other reasons as
+well, which a one-way model of random effects separates (Searle, Casella and McCulloch, Variance
+Components (1992), sec. 3.6): errors of each trial, which average out, and errors common to the
+trials of a power, such as a supply that sags under load. The latter need not be zero on average:
+their variance, estimated between the powers, counts in full.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..data import Flapping, Float
+from ..fitting import Series
+from .clock_factor import CLOCK_STD_SHARE
+
+STATED_FREQUENCY_STD_SHARE = (
+    0.01  # ASSUME a `flap_hz` that several trials share, so not measured in each, is right to 1 %
+)
+UNCHECKED_FRAME_RATE_STD_SHARE = (
+    0.05  # ASSUME a frame rate that no tail beat checks is right to 5 %
+)
+MAX_DISTINCT_SHARE = 0.5
+"""Stated frequencies were not measured trial by trial where at most so many of them differ."""
+
+
+def with_clock_measurement(
+    series: Sequence[Series], flapping: Mapping[str, Flapping]
+) -> list[Series]:
+    """Series with the ratio of the tail beat seen to the motor's as evidence on the clock.
+
+    The standard deviations are such that those of all trials together give that of the mean ratio.
+    Where no trial shows its tail beat, nothing but the statement speaks for the frame rate.
+    """
+    beats = {s.name: flapping[s.name] for s in series}
+    seen = [s for s in series if beats[s.name].flap_hz > 0 and np.isfinite(beats[s.name].video_hz)]
+    if not seen:
+        unchecked = UNCHECKED_FRAME_RATE_STD_SHARE * float(np.sqrt(len(series)))
+        return [
+            replace(s, evidence={**s.evidence, "clock_ratio": (0.0, unchecked)}) for s in series
+        ]
+    found = [beats[s.name] for s in seen]
+    ratio = np.array([b.video_hz / b.flap_hz - 1 for b in found])
+    own: Float = np.nan_to_num(np.array([b.video_hz_std / b.flap_hz for b in found]))
+    within, between = variance_components(ratio, own**2, [s.group for s in seen])
+    shared = between + (STATED_FREQUENCY_STD_SHARE**2 if _stated_for_several(found) else 0.0)
+    std = np.sqrt(CLOCK_STD_SHARE**2 + own**2 + within + len(ratio) * shared)
+    evidence = {s.name: (float(r), float(d)) for s, r, d in zip(seen, ratio, std, strict=True)}
+    return [
+        replace(s, evidence={**s.evidence, "clock_ratio": evidence[s.name]})
+        if s.name in evidence else s
+        for s in series
+    ]  # fmt: skip
+
+
+def variance_components(
+    values: Float, variances: Float, groups: Sequence[str]
+) -> tuple[float, float]:
+    """Variance within and between groups, beyond the values' own variances (n,); at least 0.
+
+    By the analysis of variance of groups of unequal size; a single group has none between.
+    """
+    members = [np.flatnonzero(np.array(groups) == name) for name in dict.fromkeys(groups)]
+    n, k, own = len(values), len(members), float(np.mean(variances))
+    squares = sum(float(np.sum((values[m] - values[m].mean()) ** 2)) for m in members)
+    total = squares / (n - k) if n > k else own
+    means = np.array([values[m].mean() for m in members])
+    if k < 2:
+        return max(total - own, 0.0), 0.0
+    of_means = total * float(np.mean([1 / len(m) for m in members]))
+    return max(total - own, 0.0), max(float(np.var(means, ddof=1)) - of_means, 0.0)
+
+
+def _stated_for_several(found: Sequence[Flapping]) -> bool:
+    stated = [b.flap_hz for b in found if b.source != "motor_log"]
+    return len(stated) > 1 and len(set(stated)) <= MAX_DISTINCT_SHARE * len(stated)

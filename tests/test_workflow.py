@@ -297,10 +297,10 @@ def test_results_that_were_copied_and_lost_a_row_are_of_the_rows_that_are_left(w
     path.write_text("\n".join(row for row in rows if not row.startswith("T11")) + "\n")
     copy = workflow.root / "results/copy"
     shutil.copytree(workflow.root / "results/study", copy, copy_function=shutil.copyfile)
-    assert workflow.snakemake(results="results/copy").returncode == 0
+    assert workflow.snakemake("--until", "tuning", results="results/copy").returncode == 0
     assert "T11" not in (copy / "steady.csv").read_text()
     assert {path.stem for path in (copy / "simulations").glob("*.csv")} == {"T09", "T10"}
-    assert {path.stem for path in (copy / "extended").glob("*.csv")} == {"T09", "T10"}
+    assert not (copy / "mismatch.json").exists()  # of the three trials; the search was not run
 
 
 def test_a_run_in_which_every_trial_fails_leaves_no_verdict_of_an_earlier_one(workflow):

@@ -15,7 +15,7 @@ from bluekoi.camera.length_warnings import deviations_from_majority, length_warn
 from bluekoi.data import Flapping, Pose, Steady, Track
 from bluekoi.errors import InputError
 from bluekoi.files import read_json
-from bluekoi.keypoints.deeplabcut import read
+from bluekoi.keypoints.deeplabcut import read, write
 from bluekoi.motor import clock_ratio, flapping_compared_with_video
 from bluekoi.motor.power_consistency import power_warnings
 from bluekoi.pose import rigid_pose
@@ -383,6 +383,17 @@ def test_check_finds_what_a_run_would_refuse(tmp_path):
         "T09.csv: time_s: found times from 1700000000",
     ):
         assert any(text in one for one in said), text
+
+
+def test_keypoints_outside_of_the_picture_are_named_as_such(tmp_path):
+    study = small_study(tmp_path / "study")
+    path = study / "keypoints/T10.csv"
+    trial = load_study(study).trial("T10")
+    found = read(path, trial)
+    write(path, replace(found, xy_px=found.xy_px + np.array([2500.0, 0.0])))
+    (finding,) = file_findings(load_study(study))
+    assert "T10.csv: found 100 % of the points outside of the picture, such as" in str(finding)
+    assert "pixels of a picture of 1920 x 1080" in str(finding)
 
 
 def test_keypoints_that_repeat_are_named_as_such(study_with_turn):

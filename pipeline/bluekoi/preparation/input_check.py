@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..camera import map_keypoints, pool_camera
+from ..camera.picture_bounds import check_within_picture
 from ..data import MIN_POSE_FRAMES, Keypoints, is_confident
 from ..errors import Finding, InputError, input_error
 from ..footage import open_recording
@@ -102,6 +103,8 @@ def _check_readable(study: Study, trial: Trial) -> None:
     if trial.reads_keypoints:
         path = study.paths(trial)[0]
         found = source_module("deeplabcut").read(path, trial, study.setup.bodyparts)
+        camera = study.setup.camera
+        check_within_picture(path, found, camera.image_size_px if camera else None)
         _check_usable_frames(path, found)
         positions = map_keypoints(
             pool_camera(study.setup), found, study.setup.robot.keypoint_depth_m

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..camera.calibration_uncertainty import calibration_covariance_at_places
+from ..camera.picture_bounds import check_within_picture
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
 from ..data import Flapping, Positions, Steady, Track, write_pose, write_track
@@ -73,6 +74,8 @@ def _write_track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     size = detection.get("size_px")
     camera = pool_camera(study.setup, (size[0], size[1]) if size else None)
     found = read_detections(layout.keypoints(trial.trial_id), trial)
+    if trial.reads_keypoints and study.setup.camera:
+        check_within_picture(study.paths(trial)[0], found, study.setup.camera.image_size_px)
     depth = keypoint_depth(study.setup, layout)
     positions = map_keypoints(camera, found, depth)
     try:

@@ -18,12 +18,12 @@ from bluekoi.engine import (
     Priors,
     Problem,
     candidates_of,
-    causes_of_no_size,
     expand_about,
     fit_own_noise,
     fit_set,
+    insignificance_sentence,
+    insignificant_causes,
     named_causes,
-    no_size_sentence,
     posterior,
     search_sets,
 )
@@ -240,17 +240,17 @@ def test_the_ridge_has_no_part_in_the_evidence(ridge: float, monkeypatch) -> Non
     assert log_evidence(scored.expansion, scored.layout) == pytest.approx(before, abs=1e-3)
 
 
-def test_a_cause_whose_strengths_may_all_be_zero_has_no_size() -> None:
+def test_a_cause_whose_strengths_may_all_be_zero_is_insignificant() -> None:
     by_name = driven_mass_problem(driven_mass_trials(0.3, 0.1)).by_name
     cause = NamedCause("quadratic_drag", 0.99, {})
     (label,) = (f.label for f in by_name["quadratic_drag"].strengths)
-    for value, std, sizeless in (
+    for value, std, insignificant in (
         (0.1, 0.1, True), (0.1, 0.05, False), (0.0, np.nan, True), (0.1, np.nan, False),
         (0.1, np.inf, True),
     ):  # fmt: skip
-        found = causes_of_no_size([cause], by_name, {label: (value, std)})
-        assert bool(found) == sizeless
-    assert "quadratic_drag improves the fit (probability 0.99)" in no_size_sentence(cause)
+        found = insignificant_causes([cause], by_name, {label: (value, std)})
+        assert bool(found) == insignificant
+    assert "quadratic_drag improves the fit (probability 0.99)" in insignificance_sentence(cause)
 
 
 def test_without_its_limit_the_posterior_keeps_every_set() -> None:

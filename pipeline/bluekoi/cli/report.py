@@ -14,7 +14,7 @@ import click
 from .parameter_types import NonEmptyPath, StudyName
 
 OLD_REPORT_MESSAGE = (
-    "This report is of an earlier run: the last one did not end. `bluekoi run {}` makes it anew."
+    "This report is of an earlier run: the last run was not completed. `bluekoi run {}` updates it."
 )
 
 

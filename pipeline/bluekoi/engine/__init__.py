@@ -15,7 +15,14 @@ naming      what is named, and what may act in its place
 
 from .candidates import Candidate, Priors, candidates_of
 from .expansion import Expansion, expand_about
-from .naming import NamedCause, best_set, causes_of_no_size, named_causes, no_size_sentence
+from .naming import (
+    NamedCause,
+    best_set,
+    choose_causes,
+    insignificance_sentence,
+    insignificant_causes,
+    named_causes,
+)
 from .posterior import Posterior, posterior
 from .problem import Problem
 from .refit import FittedSet, fit_own_noise, fit_set, off_bounds_mask, without_discrepancy
@@ -34,12 +41,13 @@ __all__ = [
     "ScoredSet",
     "best_set",
     "candidates_of",
-    "causes_of_no_size",
+    "choose_causes",
     "expand_about",
     "fit_own_noise",
     "fit_set",
+    "insignificance_sentence",
+    "insignificant_causes",
     "named_causes",
-    "no_size_sentence",
     "off_bounds_mask",
     "posterior",
     "search_sets",

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import numpy as np
 
+from ..fitting import Z_95
 from .candidates import Candidate
 from .posterior import Posterior
 from .set_score import ScoredSet
@@ -18,8 +20,7 @@ CREDIBLE_SET_PROBABILITY = 0.9
 """Probability that a credible set holds the cause, and from which one of several alternatives is
 taken to act."""
 UNEXPLAINED = "unexplained"
-Z_95 = 1.96
-"""Half the width of a 95 % interval, in standard deviations of a normal distribution."""
+ReportedModel = TypeVar("ReportedModel")
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,20 @@ class NamedCause:
             if held >= CREDIBLE_SET_PROBABILITY * total:
                 break
         return out
+
+
+@dataclass(frozen=True)
+class ChosenCauses(Generic[ReportedModel]):
+    """named: probable causes with a significant strength, in the order of the most probable set;
+    insignificant: the other probable causes. unexplained: probability of a force that no candidate
+    describes. best: the most probable set of the named causes; model: that set as it is reported.
+    """
+
+    named: list[NamedCause]
+    insignificant: list[NamedCause]
+    unexplained: float
+    best: ScoredSet
+    model: ReportedModel
 
 
 def named_causes(
@@ -98,15 +113,38 @@ def best_set(
     return next((s for _, s in pairs if fits(s)), found.best)
 
 
-def causes_of_no_size(
+def choose_causes(
+    found: Posterior, candidates: Mapping[str, Candidate],
+    fit: Callable[[ScoredSet], tuple[ReportedModel, Mapping[str, tuple[float, float]]]],
+) -> ChosenCauses[ReportedModel]:  # fmt: skip
+    """`ChosenCauses` of a posterior.
+
+    fit: the model of a set as it is reported, and its parameters: value and standard deviation (NaN
+    if unknown) by label.
+    """
+    named, unexplained = named_causes(found, candidates)
+    left_out: list[NamedCause] = []
+    while True:
+        names = [c.name for c in named]
+        best = best_set(found, names, unexplained > MIN_NAMED_PROBABILITY, candidates)
+        model, estimates = fit(best)
+        insignificant = insignificant_causes(named, candidates, estimates)
+        if not insignificant:
+            return ChosenCauses(named, left_out, unexplained, best, model)
+        left_out += insignificant
+        named = [c for c in named if c not in insignificant]
+
+
+def insignificant_causes(
     named: Sequence[NamedCause], candidates: Mapping[str, Candidate],
     estimates: Mapping[str, tuple[float, float]],
 ) -> list[NamedCause]:  # fmt: skip
-    """Causes each of whose strengths may be 0, by its 95 % interval from how the trials disagree.
+    """Causes none of whose strengths differs from 0 at the 5 % level, by the variation between
+    trials.
 
-    The evidence counts what a cause adds to the fit; where the trials do not agree that it has any
-    size, it describes what differs between them, and is not named. estimates: value and standard
-    deviation by label; NaN where there is none.
+    The evidence counts what a cause adds to the fit. If the trials do not agree that it acts, it
+    describes a difference between them. estimates: value and standard deviation (NaN if unknown)
+    by label.
     """
 
     def may_be_zero(label: str) -> bool:
@@ -116,11 +154,11 @@ def causes_of_no_size(
     return [c for c in named if all(may_be_zero(f.label) for f in candidates[c.name].strengths)]
 
 
-def no_size_sentence(cause: NamedCause) -> str:
+def insignificance_sentence(cause: NamedCause) -> str:
     """Why a probable cause is not named."""
     return (
-        f"{cause.name} improves the fit (probability {cause.probability:.2f}), but the trials do "
-        "not agree on it: each of its strengths may be 0. It is not named."
+        f"{cause.name} improves the fit (probability {cause.probability:.2f}), but none of its "
+        "strengths differs significantly from 0 by the variation between trials. It is not named."
     )
 
 

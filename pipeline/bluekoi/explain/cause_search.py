@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -15,11 +16,9 @@ from ..engine import (
     Posterior,
     Problem,
     ScoredSet,
-    best_set,
-    causes_of_no_size,
+    choose_causes,
     fit_own_noise,
-    named_causes,
-    no_size_sentence,
+    insignificance_sentence,
     posterior,
     search_sets,
     without_discrepancy,
@@ -28,7 +27,7 @@ from ..engine.naming import MIN_NAMED_PROBABILITY, UNEXPLAINED, log_evidence_gai
 from ..engine.problem import no_progress
 from ..engine.set_score import score_set
 from ..errors import Finding, InputError, did_you_mean
-from ..fitting import Series
+from ..fitting import MAX_OVERDISPERSION, Series
 from .checks import checked_model
 from .comparison import (
     PREDICTION_ERRORS,
@@ -46,9 +45,8 @@ from .preparation import Prepared, prepare, step_error_and_warning
 from .sampling import averaged_to_rate
 from .trials import HELD_OUT_ROLE, Trial, series_of, validated_trials, warnings_of
 
-MAX_OVERDISPERSION, MAX_RANDOM_FORCE_SHARE = 2.0, 0.5
-"""Variance over trials against standard errors, and random force against the causes' own force,
-beyond which the report warns."""
+MAX_RANDOM_FORCE_SHARE = 0.5
+"""Random force with the named causes over that without, above which the report warns."""
 
 
 @dataclass(frozen=True)
@@ -132,13 +130,8 @@ def explain(
         raise divergence_error(model, fit)
     progress("probabilities")
     found = posterior(problem, list(visited.sets.values()))
-    named, unexplained = named_causes(found, problem.by_name)
-    best, final, own = _fit_named(problem, found, named, unexplained)
-    stated = {n.label: (n.value, n.std) for n in own}
-    sizeless = causes_of_no_size(named, problem.by_name, stated)
-    if sizeless:
-        named = [c for c in named if c not in sizeless]
-        best, final, own = _fit_named(problem, found, named, unexplained)
+    chosen = choose_causes(found, problem.by_name, partial(_fit_named, problem))
+    named, best, (final, own) = chosen.named, chosen.best, chosen.model
     bare = visited.sets[frozenset()]
     gains = {c.name: log_evidence_gain(list(visited.sets.values()), best, c.name) for c in named}
     named.sort(key=lambda c: -gains[c.name])
@@ -148,24 +141,24 @@ def explain(
     base = fitted_numbers(problem.kernel, bare.model)
     warnings = _warnings(ready, given, best, bare, own=own, base=base)
     return CauseSearchResult(
-        ready, found, verdict_of(model, named, unexplained), tuple(named), gains, unexplained,
+        ready, found, verdict_of(model, named, chosen.unexplained), tuple(named), gains,
+        chosen.unexplained,
         {n: found.inclusion.get(n, 0.0) for n in names},
         fit_by_criterion(problem, bare.model, errors.fitted_to[0]),
         fit_by_criterion(problem, final, errors.fitted_to[1]), tuple(own), tuple(base), best,
-        errors, (*map(no_size_sentence, sizeless), *warnings),
+        errors, (*map(insignificance_sentence, chosen.insignificant), *warnings),
         tuple(_fit_compared_set(ready, visited, tuple(one), test, errors.stretch_s)
               for one in compare),
     )  # fmt: skip
 
 
 def _fit_named(
-    problem: Problem, found: Posterior, named: Sequence[NamedCause], unexplained: float
-) -> tuple[ScoredSet, FittedSet, list[Number]]:
-    """The most probable set of the named causes, that by its formulas alone, and its numbers."""
-    names = [c.name for c in named]
-    best = best_set(found, names, unexplained > MIN_NAMED_PROBABILITY, problem.by_name)
+    problem: Problem, best: ScoredSet
+) -> tuple[tuple[FittedSet, list[Number]], dict[str, tuple[float, float]]]:
+    """A set by its formulas alone with its numbers, and their values and standard deviations."""
     final = fit_without_discrepancy(problem, best.model)
-    return best, final, fitted_numbers(problem.kernel, final)
+    own = fitted_numbers(problem.kernel, final)
+    return (final, own), {n.label: (n.value, n.std) for n in own}
 
 
 def fit_without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:

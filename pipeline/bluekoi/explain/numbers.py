@@ -8,11 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..engine import FittedSet
-from ..fitting import cluster_covariance, inverse_fisher
+from ..fitting import between_trial_covariance
 from ..integrate import CompiledSystem
-
-SINGLE_TRIAL_VARIANCE_FACTOR = 2.0
-"""A number that one trial alone informs on: its naive variance counts twice."""
 
 
 @dataclass(frozen=True)
@@ -44,12 +41,7 @@ def fitted_numbers(kernel: CompiledSystem, model: FittedSet) -> list[Number]:
 
 @np.errstate(all="ignore")
 def _standard_deviations(model: FittedSet, move: np.ndarray) -> np.ndarray:
-    spread = cluster_covariance(model.fit.normal, move)
-    variance, df = np.diag(spread.cov).copy(), spread.df.copy()
-    alone = np.flatnonzero(move & (df == 0))
-    naive = SINGLE_TRIAL_VARIANCE_FACTOR * np.diag(inverse_fisher(model.fit.normal, move))
-    variance[alone] = np.maximum(variance[alone], naive[alone])
-    std = np.sqrt(variance)
+    std = np.sqrt(np.diag(between_trial_covariance(model.fit.normal, move).cov))
     std[~move | ~np.isfinite(std) | (std <= 0)] = np.nan
     return np.asarray(std)
 

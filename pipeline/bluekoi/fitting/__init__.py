@@ -1,5 +1,6 @@
 """Fits of any state-space model to its trials: prediction errors, all trials jointly."""
 
+from .between_trials import MAX_OVERDISPERSION, Z_95, between_trial_covariance
 from .block_average import block_averaged
 from .bootstrap import parametric_bootstrap
 from .filtering import Filtered, FilterResults, disturbance_slots, filter_all, filter_series, smooth
@@ -26,6 +27,8 @@ from .sandwich import (
 from .series import Free, Noise, Series, SharedMeasurement, TrialEffect
 
 __all__ = [
+    "MAX_OVERDISPERSION",
+    "Z_95",
     "ClusterCovariance",
     "ClusterInfluence",
     "FilterResults",
@@ -42,6 +45,7 @@ __all__ = [
     "TrialEffect",
     "TrialRandomEffect",
     "added_force",
+    "between_trial_covariance",
     "block_averaged",
     "cluster_covariance",
     "conditional_response",

@@ -14,12 +14,14 @@ from ..engine import (
     NamedCause,
     Posterior,
     ScoredSet,
-    no_size_sentence,
+    choose_causes,
+    insignificance_sentence,
     posterior,
     search_sets,
 )
 from ..engine.naming import MIN_NAMED_PROBABILITY, UNEXPLAINED, log_evidence_gain
 from ..fitting import (
+    MAX_OVERDISPERSION,
     Free,
     MissingForce,
     Series,
@@ -34,8 +36,8 @@ from ..study import Study
 from ..study.data_split import has_trial_roles, held_out_trials
 from ..tuning import JointFit, downsampled, fit_all_trials, steady_errors
 from .camera_displacement import CameraDisplacement, detect_displacements, with_displacements
-from .chosen_causes import choose_causes
 from .drift import Drift, drifting_trial
+from .extended_model import fit_extended
 from .free_run_errors import path_errors
 from .missing_force_dependence import Dependence, covariates, dependences
 from .robot_problem import robot_problem
@@ -112,8 +114,8 @@ def find_mismatch(
     visited = search_sets(problem, baseline.fit.by_label())
     problem = visited.problem
     found = posterior(problem, list(visited.sets.values()))
-    chosen = choose_causes(problem, train, baseline, found)
-    named, best, extended = chosen.named, chosen.best, chosen.extended
+    chosen = choose_causes(found, problem.by_name, partial(fit_extended, problem, train, baseline))
+    named, best, (final, extended) = chosen.named, chosen.best, chosen.model
     progress("missing force")
     models = {"baseline": baseline, "extended": extended}
     by_paths = trajectory_fit(kernel, train, baseline)
@@ -139,11 +141,12 @@ def find_mismatch(
     ordered = sorted(named, key=lambda c: -gains[c.name])
     return MismatchResult(
         verdict=verdict_of(kernel, ordered, chosen.unexplained), posterior=found, named=ordered,
-        unexplained=chosen.unexplained, model=chosen.model, gains=gains, baseline=baseline,
+        unexplained=chosen.unexplained, model=final, gains=gains, baseline=baseline,
         extended=extended, fitted_to=fitted_to, forces=forces, dependences=depends,
         held_out=[s.name for s in test], errors=errors, floor_m=paths.floor_m,
         stretch_s=paths.horizon_s, displacements=displaced,
-        warnings=[*map(no_size_sentence, chosen.sizeless), *model_warnings(kernel, train, best),
+        warnings=[*map(insignificance_sentence, chosen.insignificant),
+                  *model_warnings(kernel, train, best),
                   *([drifting.sentence] if drifting else [])],
     )  # fmt: skip
 
@@ -214,7 +217,6 @@ def verdict_of(kernel: CompiledSystem, named: Sequence[NamedCause], unexplained:
 
 MAX_RANDOM_FORCE_SHARE = 0.5
 """Share of the thrust above which random forces are called comparable to it."""
-MAX_OVERDISPERSION = 2.0
 
 
 def model_warnings(kernel: CompiledSystem, train: Sequence[Series], best: ScoredSet) -> list[str]:

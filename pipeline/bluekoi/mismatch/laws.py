@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
-from ..fitting import MissingForce, Noise, Series, added_force, missing_force, slots_by_name
+from ..fitting import Z_95, MissingForce, Noise, Series, added_force, missing_force, slots_by_name
 from ..integrate import CompiledSystem
 from ..study import Trial
 from ..tuning import JointFit
-from ..tuning.joint_fit import Z_95
 from .missing_force_dependence import CHANNELS, covariates
 
 BIN_COUNT, MIN_FRAMES_PER_BIN = 15, 3

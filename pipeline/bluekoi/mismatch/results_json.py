@@ -12,7 +12,7 @@ from ..fitting import Series
 from ..integrate import Effect
 from ..model import is_residual, plates, residual_channels
 from ..study import Study
-from .chosen_causes import estimates
+from .extended_model import estimates
 from .find import MismatchResult
 from .missing_force_dependence import CHANNELS
 from .next_trial import next_trial_json

@@ -15,7 +15,6 @@ from ..data import MIN_POSE_FRAMES, Keypoints, is_confident
 from ..errors import Finding, InputError, input_error
 from ..footage import open_recording
 from ..keypoints import source_module
-from ..keypoints.files.table import MIN_LIKELIHOOD_IN_FILE
 from ..motor import flapping_from_log
 from ..motor.motor_log import log_coverage
 from ..pose.body import RIGID_PARTS
@@ -144,7 +143,7 @@ def _check_usable_frames(path: Path, found: Keypoints) -> None:
     if frames < MIN_POSE_FRAMES:
         raise input_error(
             path, "", f"{frames} of {len(found.time_s)} frames with head_tip and two of "
-            f"{', '.join(RIGID_PARTS[1:])} at likelihood {MIN_LIKELIHOOD_IN_FILE} or more",
+            f"{', '.join(RIGID_PARTS[1:])} that count by their likelihood",
             f"{MIN_POSE_FRAMES} at least",
             "Are the likelihoods there, and are the names under bodyparts: the right ones?",
         )  # fmt: skip

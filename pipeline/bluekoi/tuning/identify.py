@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..fitting import FilterResults, Series, filter_all, fit
+from ..fitting import Z_95, FilterResults, Series, filter_all, fit
 from ..integrate import compiled
 from ..integrate.batch import threaded_map
 from ..model import plates
 from .bounds import bound_sides
-from .joint_fit import UNDETERMINED_ABOVE, Z_95, JointFit
+from .joint_fit import UNDETERMINED_ABOVE, JointFit
 
 PROFILE_POINTS_STDS = (-2.5, -1.25, -0.6, 0.6, 1.25, 2.5)
 """Where a profile is taken, in standard deviations from the fit."""

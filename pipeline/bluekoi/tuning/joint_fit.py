@@ -10,6 +10,7 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import (
+    Z_95,
     ClusterCovariance,
     ClusterInfluence,
     Fit,
@@ -36,10 +37,8 @@ HEAD_ANGLE_COLUMN = 3
 """Column of the head angle among the observations."""
 HEAD_ANGLE_ERROR = "head_angle_offset.offset"
 """The parameter that a servo's error in one trial changes."""
-UNDETERMINED_ABOVE, Z_95 = 0.3, 1.96
-"""A number is not determined where its deviation exceeds this share of its size; half width of a
-normal law's 95 % interval over its deviation.
-"""
+UNDETERMINED_ABOVE = 0.3
+"""A parameter is not determined where its standard deviation exceeds this share of its size."""
 START_SCALES = (0.3, 0.1, 0.03, 0.0)
 """Shares of the usual coefficients from which a fit begins where the model runs away at those."""
 START_NOISE = Noise(

@@ -187,11 +187,11 @@ class Plan:
 
     def figure_fingerprint(self, wildcards: Any) -> str:
         """Fingerprint of one figure's own file and of what it draws with."""
-        return fingerprint("stages.figure", f"figures.{wildcards.figure}")
+        return figure_fingerprint(wildcards.figure)
 
     def figure_title_and_caption(self, wildcards: Any) -> dict[str, str]:
         """Title and caption of a figure, read from its file without running it."""
-        return figure_title_and_caption(PACKAGE_FOLDER / f"figures/{wildcards.figure}.py")
+        return figure_title_and_caption(wildcards.figure)
 
     def geometry_fingerprint(self) -> str:
         """Fingerprint of what the check of the rigid distances depends on beside keypoints."""
@@ -213,11 +213,16 @@ def figure_names() -> list[str]:
     return sorted(name for name in names if not name.startswith("_"))
 
 
-def figure_title_and_caption(figure: Path) -> dict[str, str]:
+def figure_fingerprint(name: str) -> str:
+    """Fingerprint of one figure's own file and of what it draws with."""
+    return fingerprint("stages.figure", f"figures.{name}")
+
+
+def figure_title_and_caption(name: str) -> dict[str, str]:
     """Title and caption of a figure, read from its file without running it."""
     texts = {
         node.targets[0].id: node.value
-        for node in ast.parse(figure.read_bytes()).body
+        for node in ast.parse((PACKAGE_FOLDER / f"figures/{name}.py").read_bytes()).body
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
     }
     return {name.lower(): ast.literal_eval(texts[name]) for name in ("TITLE", "CAPTION")}

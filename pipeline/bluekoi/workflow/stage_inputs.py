@@ -14,8 +14,7 @@ from ..errors import InputError
 from ..files import read_json, write_json
 from ..stages.freshness import short_hash
 from ..stages.layout import Layout, remove_files
-from .plan import Plan, figure_names, figure_title_and_caption
-from .provenance import PACKAGE_FOLDER, fingerprint
+from .plan import Plan, figure_fingerprint, figure_names, figure_title_and_caption
 
 
 def input_hashes(plan: Plan) -> dict[str, str]:
@@ -29,11 +28,10 @@ def input_hashes(plan: Plan) -> dict[str, str]:
         "report": code("report"),
         "outcome": code("outcome"),
     }
-    for name in figure_names():
-        words = figure_title_and_caption(PACKAGE_FOLDER / f"figures/{name}.py")
-        own = fingerprint("stages.figure", f"figures.{name}")
-        hashes[f"figures/{name}"] = short_hash(own, words)
-    return hashes
+    return hashes | {
+        f"figures/{name}": short_hash(figure_fingerprint(name), figure_title_and_caption(name))
+        for name in figure_names()
+    }
 
 
 def outdated_stages(plan: Plan, hashes: Mapping[str, str]) -> list[str]:

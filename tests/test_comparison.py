@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 
 import pytest
+import yaml
 from click.testing import CliRunner
 
 from bluekoi.cli import main
@@ -16,7 +17,9 @@ from bluekoi.comparison import compare, comparison_figure, read_run
 from bluekoi.data import Steady
 from bluekoi.errors import InputError
 from bluekoi.stages.manifest import RUN_VARIABLE, write_manifest
+from bluekoi.stages.study_changes import changes_since_run, outdated_results_message
 from bluekoi.steady import write_steady
+from bluekoi.study import load_study
 from small_studies import edit_trials_csv, small_study
 
 UNITS = {"C_T": "m2", "C_D0": "1"}
@@ -100,6 +103,40 @@ def test_runs_without_a_manifest_are_compared_in_their_results_alone(two_results
     done = CliRunner().invoke(main, ["compare", *map(str, two_results)])
     assert f"No manifest.json in {two_results[1]}" in done.output
     assert "mass_kg" not in done.output
+
+
+def test_commands_on_results_name_what_has_changed_in_the_study(tmp_path):
+    study, results = small_study(tmp_path / "study"), tmp_path / "results"
+    write_manifest(study, results)
+    assert changes_since_run(load_study(study), results) == []
+    settings = yaml.safe_load((study / "study.yaml").read_text())
+    settings["robot"]["mass_kg"] = 0.34
+    (study / "study.yaml").write_text(yaml.safe_dump(settings))
+    edit_trials_csv(study, T09={"head_angle_deg": "-20"})
+    path = load_study(study).paths(load_study(study).trial("T10"))[0]
+    path.write_text(path.read_text().replace("1", "2"))
+    mass, angle, content = changes_since_run(load_study(study), results)
+    assert mass.startswith("robot.mass_kg was ")
+    assert mass.endswith(", now 0.34")
+    assert angle.startswith("head_angle_deg of trial T09 was ")
+    assert content == f"{path.relative_to(study)} has another content"
+    (results / "report.html").touch()
+    said = CliRunner().invoke(main, ["report", f"{study}/study.yaml", "--results", str(results)])
+    assert f"made from another state of {study}: {mass}; {angle}" in said.stderr
+    path.unlink()
+    (study / "trials.csv").write_text("nonsense")
+    said = CliRunner().invoke(main, ["report", str(study), "--results", str(results)])
+    assert "The study has changed and cannot be read: " in said.stderr
+
+
+def test_a_trial_that_was_added_or_removed_is_a_change(tmp_path):
+    study, results = small_study(tmp_path / "study"), tmp_path / "results"
+    write_manifest(study, results)
+    manifest = json.loads((results / "manifest.json").read_text())
+    manifest["trials"]["T99"] = manifest["trials"].pop("T09")
+    (results / "manifest.json").write_text(json.dumps(manifest))
+    message = outdated_results_message(load_study(study), results)
+    assert "trial T99 was removed; trial T09 was added" in message
 
 
 def test_the_manifest_says_what_a_run_was_made_from(tmp_path, monkeypatch):

@@ -12,6 +12,7 @@ import random
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -34,6 +35,7 @@ from bluekoi.stages.outcome import outcome
 from bluekoi.study import load_study
 from bluekoi.workflow import plan as plan_module
 from bluekoi.workflow import provenance
+from bluekoi.workflow.forkserver_client import ADDRESS_VARIABLE, EXIT_RUN_ENDED, request_stage
 from bluekoi.workflow.lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from bluekoi.workflow.plan import figure_names, make_plan
 from bluekoi.workflow.progress import Progress, SnakemakeMessageFilter, signal_that_killed
@@ -479,6 +481,30 @@ def test_results_of_trials_that_left_the_study_are_removed(workflow):
     assert workflow.snakemake().returncode == 0
     assert not list(results.rglob("T99*"))
     assert (results / "tracks/T10.csv").is_file()
+
+
+def test_a_job_whose_run_was_killed_ends_without_results(workflow):
+    """It would write what is true of the study as it was into the folder of the next run."""
+    results = workflow.root / "results/study"
+    (results / "mismatch.json").unlink()
+    run = started_jobs(workflow)
+    stage = wait_for_stage_process(run, "mismatch")
+    os.kill(run.pid, signal.SIGKILL)
+    run.wait()
+    deadline = time.monotonic() + 20
+    while Path(f"/proc/{stage}").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not Path(f"/proc/{stage}").exists()
+    assert not (results / "mismatch.json").exists()
+
+
+def test_a_job_without_preloaded_process_runs_its_stage_itself(tmp_path, monkeypatch):
+    address = tmp_path / "socket"
+    monkeypatch.setenv(ADDRESS_VARIABLE, str(address))
+    assert request_stage(["steady"]) == EXIT_RUN_ENDED  # which removed its socket
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(address))
+    assert request_stage(["steady"]) is None  # it was killed and its socket stayed behind
 
 
 def test_only_locks_on_our_own_results_are_stale(tmp_path):

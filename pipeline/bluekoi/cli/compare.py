@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from .outdated_results import warn_of_outdated_results
 from .parameter_types import NonEmptyPath, StudyName
 from .report import results_folder
 
@@ -37,6 +38,8 @@ def compare(first: Path, second: Path, out: Path | None, everything: bool) -> No
     from ..errors import escape_control_characters  # noqa: PLC0415
 
     runs = [read_run(_results_folder(path)) for path in (first, second)]
+    for path, one in zip((first, second), runs, strict=True):
+        warn_of_outdated_results(path, one.folder)
     found = compared(*runs)
     for line in table_lines(found, everything=everything):
         click.echo(escape_control_characters(line))

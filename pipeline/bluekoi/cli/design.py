@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .number_types import FiniteNumber, NumberList
+from .outdated_results import warn_of_outdated_results
 from .outputs import refuse_study_files
 from .parameter_types import StudyName
 from .progress_notice import progress_notice
@@ -75,6 +76,7 @@ def design(
     )
     for sentence in fit.warnings:
         click.echo(f"Warning: {sentence}.", err=True)
+    warn_of_outdated_results(loaded, home)
 
 
 def _robot_variants(given: tuple[str, ...]) -> dict[str, tuple[float, ...]]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .outdated_results import warn_of_outdated_results
 from .outputs import refuse_study_files
 from .parameter_types import StudyName, TrialName
 from .progress_notice import progress_notice
@@ -52,7 +53,7 @@ def export(study: Path, results: Path | None, out: Path | None, trials: tuple[st
     folder = results or Path("results") / study.resolve().name
     target = out or folder / "export"
     with progress_notice("reading results"):
-        campaign = load_campaign(folder, load_study(study))
+        campaign = load_campaign(folder, loaded := load_study(study))
     chosen = _selected_trials(campaign, trials, folder)
     names = ("coefficients.csv", *(f"{name}.nc" for name in chosen))
     refuse_study_files(study, (target / name for name in names))
@@ -63,6 +64,7 @@ def export(study: Path, results: Path | None, out: Path | None, trials: tuple[st
             write_netcdf(campaign, name, target / f"{name}.nc")
             wait.share = done / len(chosen)
     click.echo(f"{len(chosen)} trials written to {target}")
+    warn_of_outdated_results(loaded, folder)
 
 
 def _selected_trials(campaign: Campaign, trials: tuple[str, ...], folder: Path) -> list[str]:

@@ -28,7 +28,7 @@ class NonEmptyPath(click.Path):
 
 
 class StudyName(NonEmptyPath):
-    """A folder with a study.yaml; a shell completes these, and the folders on the way to one.
+    """A folder with a study.yaml, or that file itself; a shell completes the folders.
 
     also: further names that stand for a study.
     """
@@ -36,6 +36,12 @@ class StudyName(NonEmptyPath):
     def __init__(self, *also: str, path_type: type = str) -> None:
         super().__init__(path_type=path_type)
         self.also = also
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The study's folder, also where its study.yaml is given."""
+        folder, name = os.path.split(value)
+        is_settings_file = name == "study.yaml" and os.path.isfile(value)
+        return super().convert(folder or "." if is_settings_file else value, param, ctx)
 
     def shell_complete(
         self,

@@ -11,6 +11,7 @@ from typing import Any
 
 import click
 
+from .outdated_results import warn_of_outdated_results
 from .parameter_types import NonEmptyPath, StudyName
 
 OLD_REPORT_MESSAGE = (
@@ -58,6 +59,7 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
     if not page.is_file():
         click.echo(f"No report yet in {folder}; `bluekoi run {study}` makes it.", err=True)
         ctx.exit(1)
+    warn_of_outdated_results(study, folder)
     if not Layout(folder).report_is_current():
         click.echo(OLD_REPORT_MESSAGE.format(study), err=True)
     click.echo(f"Report: {page}")

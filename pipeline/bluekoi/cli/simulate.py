@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .number_types import FiniteNumber
+from .outdated_results import warn_of_outdated_results
 from .outputs import refuse_study_files
 from .parameter_types import StudyName
 from .progress_notice import progress_notice
@@ -84,6 +85,8 @@ def simulate(
         *_untested_conditions(loaded, commands, length, fit, by_power=power_pct is not None),
     ):
         click.echo(f"Warning: {sentence}.", err=True)
+    if results is not None:
+        warn_of_outdated_results(loaded, results)
 
 
 def _refuse_unused_options(

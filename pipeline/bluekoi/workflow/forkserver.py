@@ -24,7 +24,7 @@ from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
-from .forkserver_client import END_OF_REQUEST
+from .forkserver_client import END_OF_REQUEST, EXIT_RUN_ENDED
 from .provenance import PACKAGE_FOLDER
 from .stage_call import exit_with_code_of, run_stage
 
@@ -86,8 +86,23 @@ class Server:
                 self._accept()
             for connection in ready - {wake_read, self.listener}:
                 self._hung_up(connection)
+        self._end()
+
+    def _end(self) -> None:
+        """Kill the forks, and tell the jobs that still wait that the run is over: one that lost its
+        fork without a word would run its stage itself.
+        """
         for pid in (*self.running, *self.compiling):
             os.kill(pid, signal.SIGKILL)
+        shutil.rmtree(os.path.dirname(self.listener.getsockname()), ignore_errors=True)
+        connections = [job.connection for job in (*self.running.values(), *self.held)]
+        self.listener.setblocking(False)
+        with suppress(BlockingIOError):
+            while True:
+                connections.append(self.listener.accept()[0])
+        for connection in connections:
+            with suppress(OSError):
+                connection.sendall(str(EXIT_RUN_ENDED).encode())
 
     def _accept(self) -> None:
         connection, _ = self.listener.accept()
@@ -204,7 +219,6 @@ def main() -> None:
     loaded_by = {stage: module for stage, _, module in named if module}
     with socket.socket(fileno=int(sys.argv[1])) as listener:
         Server(listener, 0, [stage for stage, _, _ in named], loaded_by).serve()
-        shutil.rmtree(os.path.dirname(listener.getsockname()), ignore_errors=True)
 
 
 if __name__ == "__main__":

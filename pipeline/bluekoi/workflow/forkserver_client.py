@@ -11,6 +11,10 @@ ADDRESS_VARIABLE = "BLUEKOI_PRELOADED"
 COMMAND_VARIABLE = "BLUEKOI_COMMAND"
 """Environment variable with the command that a person gave."""
 END_OF_REQUEST = b"\0\0"
+EXIT_RUN_ENDED = 143
+"""Exit code of a job whose run has ended (128 + SIGTERM): nobody waits for its results, and the
+study may be another by now.
+"""
 BLAS_THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 """How many threads linear algebra takes, one unless the environment says more: matrices are small
 here, threads only wait for each other and take the cores from the work beside them. A process with
@@ -27,8 +31,9 @@ def limit_blas_to_one_thread() -> None:
 def request_stage(words: Sequence[str]) -> int | None:
     """Exit code of a stage that a fork of the preloaded process ran with our standard output.
 
-    None where no such process answers (a cluster's node, a process that was killed): the caller
-    then runs the stage itself.
+    EXIT_RUN_ENDED where the run that this job belongs to has ended or been killed; it removes its
+    socket. None where the preloaded process does not answer (a cluster's node, or it alone was
+    killed): the caller then runs the stage itself.
     """
     address = os.environ.get(ADDRESS_VARIABLE)
     if not address:
@@ -41,6 +46,8 @@ def request_stage(words: Sequence[str]) -> int | None:
             )
             socket.send_fds(connection, [request], [1, 2])
             answer = connection.recv(16)
+        except FileNotFoundError:
+            return EXIT_RUN_ENDED
         except OSError:
             return None
     return int(answer) if answer else None

@@ -1,0 +1,32 @@
+"""Warning of commands that read the results of a study that has changed since."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from ..study import Study
+
+
+def warn_of_outdated_results(study: Path | Study, results: Path) -> None:
+    """Name on the standard error what has changed in a study since its results were made.
+
+    Nothing is said of a folder without a readable study.
+    """
+    from ..errors import InputError, escape_control_characters  # noqa: PLC0415
+    from ..stages.study_changes import outdated_results_message  # noqa: PLC0415
+    from ..study import load_study  # noqa: PLC0415
+
+    if isinstance(study, Path):
+        if not (study / "study.yaml").is_file():
+            return
+        try:
+            study = load_study(study)
+        except InputError as error:
+            click.echo(f"The study has changed and cannot be read: {error}", err=True)
+            return
+    if message := outdated_results_message(study, results):
+        click.echo(escape_control_characters(f"Warning: {message}."), err=True)

@@ -14,10 +14,10 @@ from bluekoi.fitting import Series, free_runs
 from bluekoi.integrate import compiled
 from bluekoi.keypoints.deeplabcut import read
 from bluekoi.model import plates
+from bluekoi.motor import trial_flapping
 from bluekoi.pose import rigid_pose
 from bluekoi.smoothing import smooth
 from bluekoi.stages.clock_measurement import with_clock_measurement
-from bluekoi.stages.tracks import trial_flapping
 from bluekoi.steady import steady_state
 from bluekoi.study import Study, load_study
 from bluekoi.synthetic.design import StudyDesign

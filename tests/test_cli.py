@@ -23,10 +23,12 @@ from bluekoi.cli.run import (
     _exit_code,
     _failed_trial_lines,
     _requested_results_folder,
+    _trial_warnings,
     snakemake_command,
     workflow_folder,
 )
 from bluekoi.errors import InputError, input_error
+from bluekoi.files import write_json
 from bluekoi.footage import encode_h264
 from small_studies import edit_trials_csv, small_study
 
@@ -179,6 +181,14 @@ def test_bad_trials_are_named_where_a_run_ends_before_its_last_word(tmp_path, mo
     )
     assert _failed_trial_lines(tmp_path, "lab") == ["T1: no frames"]
     assert _failed_trial_lines(tmp_path, "demo") == ["T1: no frames", "T3: no frames"]
+
+
+def test_doubts_on_trials_are_named_where_a_run_ends_before_its_last_word(tmp_path):
+    study, results = small_study(tmp_path / "study"), tmp_path / "results"
+    flapping = {"flap_hz": 0.0, "video_hz": 2.4, "agrees": False, "ratio": None}
+    write_json(results / "status/T09.json", {"ok": True, "flapping": flapping})
+    (text,) = _trial_warnings(results, str(study))
+    assert text.startswith("trial T09: flap_hz is 0, but the tail beats at 2.4 Hz")
 
 
 def test_check_names_missing_files(tmp_path):

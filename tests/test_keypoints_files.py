@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -249,14 +250,25 @@ def test_points_of_a_file_count_as_seen_from_a_likelihood_of_a_tenth_on(tmp_path
     assert std.mean() == pytest.approx(0.4, rel=0.3)
 
 
-@pytest.mark.parametrize(("scorer", "low_share"), [("net", 0.25), ("bluekoi", 0.75)])
-def test_few_points_of_little_confidence_and_those_of_our_detectors_are_left_out(
-    scorer, low_share, tmp_path
-):
-    likelihood = np.where(np.arange(80) % 4 < 4 * low_share, 0.3, 0.95)
-    file_of_a_motion(tmp_path / "k.csv", likelihood, scorer=scorer)
+def test_few_points_of_little_confidence_are_left_out_with_a_remark(tmp_path):
+    likelihood = np.where(np.arange(80) % 4 < 1, 0.3, 0.95)
+    file_of_a_motion(tmp_path / "k.csv", likelihood)
     found = deeplabcut.read(tmp_path / "k.csv", make_trial())
     assert np.array_equal(is_confident(found.likelihood[:, 0]), likelihood > 0.6)
+    assert any(remark.startswith("25 % of the points are left out") for remark in found.remarks)
+
+
+@pytest.mark.parametrize("detected_here", [True, False])
+def test_points_of_our_detectors_count_from_their_own_limit(detected_here, tmp_path):
+    """A file of others may bear the scorer's name, but has no covariances beside it."""
+    likelihood = np.where(np.arange(80) % 4 < 3, 0.3, 0.95)
+    file_of_a_motion(path := tmp_path / "k.csv", likelihood, scorer=deeplabcut.SCORER)
+    if detected_here:
+        own = np.tile(likelihood[:, None], (1, 5))
+        deeplabcut.write(path, replace(deeplabcut.read(path, make_trial()), likelihood=own))
+    found = deeplabcut.read(path, make_trial())
+    used = likelihood > 0.6 if detected_here else likelihood > 0.1
+    assert np.array_equal(is_confident(found.likelihood[:, 0]), used)
 
 
 FILES = [

@@ -240,6 +240,19 @@ def test_tail_beat_above_half_the_frame_rate_is_found_from_a_guess():
     assert abs(found - 18.2) < 4 * std
 
 
+@pytest.mark.parametrize("hz", [2.37, 3.91, 5.82])
+def test_a_tail_seen_in_every_tenth_frame_shows_no_wrong_clock(hz):
+    """At three frames a second the beat has aliases, and a slow turn looks like a beat."""
+    t = np.arange(300) / 30
+    for seed in range(5):
+        noise = 0.02 * np.random.default_rng(seed).normal(size=300)
+        tail = 0.3 * np.sin(2 * np.pi * hz * t) + 0.3 * np.exp(-t / 3) + noise
+        few = positions_with_tail_angles(t, tail)
+        few = replace(few, likelihood=np.where(np.arange(300)[:, None] % 10, 0, few.likelihood))
+        ratio, std = clock_ratio(few, flapping_from_stated_frequency(hz))
+        assert np.isnan(ratio) or abs(ratio - 1) < max(0.01, 3 * std)
+
+
 def test_tail_beat_deviation_has_the_right_width():
     rng = np.random.default_rng(11)
     pulls = []

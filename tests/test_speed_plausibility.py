@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from bluekoi.errors import InputError
 from bluekoi.files import read_json, write_json
+from bluekoi.motor import trial_flapping
 from bluekoi.motor.swimming_plausibility import (
     PLAUSIBLE_RANGES,
     implausible_numbers,
@@ -25,7 +26,7 @@ from bluekoi.smoothing import smooth
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.outcome import outcome
 from bluekoi.stages.status import with_numerical_failures_explained
-from bluekoi.stages.tracks import tracks, trial_flapping
+from bluekoi.stages.tracks import tracks
 from bluekoi.steady import steady_state
 from bluekoi.study import load_study
 from small_studies import SMALL_STUDY_TRIALS, edit_trials_csv, mapped_turn, small_study

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from exact_campaign import exact_campaign
 
 from bluekoi.camera import pool_camera
 from bluekoi.camera.length_warnings import deviations_from_majority, length_warnings
+from bluekoi.cli import main
 from bluekoi.data import Flapping, Pose, Steady, Track
 from bluekoi.errors import InputError
 from bluekoi.files import read_json
 from bluekoi.keypoints.deeplabcut import read, write
-from bluekoi.motor import clock_ratio, flapping_compared_with_video
+from bluekoi.motor import clock_ratio, flapping_compared_with_video, trial_flapping
 from bluekoi.motor.power_consistency import power_warnings
 from bluekoi.pose import rigid_pose
 from bluekoi.pose.plausibility import first_jump, plausibility_findings, plausible_pose
@@ -24,7 +27,7 @@ from bluekoi.preparation.input_check import file_findings
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.head_angle_sign import sign_finding
 from bluekoi.stages.keypoints import keypoints
-from bluekoi.stages.tracks import _with_clock_remark, tracks, trial_flapping
+from bluekoi.stages.tracks import _with_clock_remark, tracks
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study, missing_files_of_trial
 from bluekoi.study.consistency_rules import robot_warnings
@@ -394,6 +397,47 @@ def test_keypoints_outside_of_the_picture_are_named_as_such(tmp_path):
     (finding,) = file_findings(load_study(study))
     assert "T10.csv: found 100 % of the points outside of the picture, such as" in str(finding)
     assert "pixels of a picture of 1920 x 1080" in str(finding)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda px: px / [1920.0, 1080.0], "found coordinates from 0.*multiply x by its width"),
+        (lambda px: np.where(np.arange(len(px))[:, None, None] % 5, px, -1.0), r"place \(-1, -1\)"),
+    ],
+)
+def test_numbers_that_are_no_pixels_are_named_as_such(tmp_path, change, message):
+    study = small_study(tmp_path / "study")
+    found = read(path := study / "keypoints/T10.csv", load_study(study).trial("T10"))
+    write(path, replace(found, xy_px=change(found.xy_px)))
+    (finding,) = file_findings(load_study(study))
+    assert re.search(message, str(finding))
+
+
+def test_lengths_that_contradict_a_hinge_stated_at_the_centre_of_mass_are_named(study_with_turn):
+    study, trial, positions = study_with_turn
+    robot = study.setup.robot.model_copy(update={"hinge_to_com_m": 0.0})
+    wrong = study.model_copy(update={"setup": study.setup.model_copy(update={"robot": robot})})
+    with pytest.raises(InputError, match=r"hinge to core_center of \d+ mm.*expected 0 mm"):
+        plausible_pose(wrong, trial, positions)
+
+
+def test_check_warns_of_what_a_run_would_warn_of(tmp_path):
+    """A motor log of another trial, and a motor that is said to stand still."""
+    study = small_study(tmp_path / "study")
+    log = study / "motor/T09.csv"
+    assert "Warning" not in CliRunner().invoke(main, ["check", str(study)]).output
+    content = log.read_bytes()
+    header, *rows = log.read_text().split()
+    slower = (f"{2.4 * float(t):.4f},{a}" for t, a in (row.split(",") for row in rows))
+    log.write_text("\n".join([header, *slower]) + "\n")
+    said = CliRunner().invoke(main, ["check", str(study)]).output
+    assert "Warning: trial T09: the tail beats 2.4 times as fast in the video" in said
+    assert "nothing else wrong" in said
+    log.write_bytes(content)
+    edit_trials_csv(study, T09={"motor_log": "", "flap_hz": "0"})
+    said = CliRunner().invoke(main, ["check", str(study)]).output
+    assert re.search(r"Warning: trial T09: flap_hz is 0, but the tail beats at \d\.\d+ Hz", said)
 
 
 def test_keypoints_that_repeat_are_named_as_such(study_with_turn):

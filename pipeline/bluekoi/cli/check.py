@@ -32,7 +32,8 @@ def _explain_key(ctx: click.Context, _param: click.Parameter, key: str | None) -
 def check(study: Path) -> None:
     """List all errors in the files of STUDY, a folder with study.yaml and trials.csv."""
     from ..errors import InputError  # noqa: PLC0415
-    from ..preparation.input_check import file_findings, setup_findings  # noqa: PLC0415
+    from ..preparation.input_check import check_files, setup_findings  # noqa: PLC0415
+    from ..stages.outcome import trial_warnings  # noqa: PLC0415
     from ..study import load_study, missing_files  # noqa: PLC0415
     from ..workflow.plan import check_results_name  # noqa: PLC0415
 
@@ -48,14 +49,18 @@ def check(study: Path) -> None:
         def progress(share: float) -> None:
             wait.share = share
 
-        unreadable = file_findings(loaded, progress)
+        unreadable, statuses = check_files(loaded, progress)
     if unreadable:
         raise InputError(unreadable)
     filmed = sum(not trial.reads_keypoints for trial in loaded.trials)
     conditions = len({trial.condition for trial in loaded.trials})
+    warnings = trial_warnings(loaded, statuses)
+    more = "else " if remarks or warnings else ""
     for remark in remarks:
         click.echo(f"{study / 'study.yaml'}: {remark}")
+    for warning in warnings:
+        click.echo(f"Warning: {warning}")
     click.echo(
         f"{study}: {len(loaded.trials)} trials ({filmed} filmed, {len(loaded.trials) - filmed} "
-        f"keypoint files) in {conditions} conditions; nothing {'else ' if remarks else ''}wrong."
+        f"keypoint files) in {conditions} conditions; nothing {more}wrong."
     )

@@ -121,6 +121,9 @@ def run(
     if returned == 0 and not dry and (bad := _failed_trial_lines(folder, study)):
         click.echo("\n".join(bad), err=True)
         ctx.exit(EXIT_SOME_TRIALS_FAILED)
+    if returned == 0 and not dry and not (folder / "outcome.json").is_file():
+        for text in _trial_warnings(folder, study):
+            click.echo(f"Warning: {text}", err=True)
     code = _exit_code(returned, folder)
     if code == EXIT_RUN_FAILED and not dry:
         for line in _lines_before_failure(folder, study):
@@ -192,6 +195,22 @@ def _failed_trial_lines(results: Path, study: str) -> list[str]:
     bad = {name: text for name, text in sorted(complaints.items()) if text}
     known = _study_trial_ids(study) if bad else set()
     return [f"{name}: {text}" for name, text in bad.items() if not known or name in known]
+
+
+def _trial_warnings(results: Path, study: str) -> list[str]:
+    """What to check in the trials of a run that ended before its last stage and was not told yet;
+    nothing of the demo.
+    """
+    from ..files import read_json  # noqa: PLC0415
+    from ..stages.layout import Layout  # noqa: PLC0415
+    from ..stages.outcome import trial_warnings  # noqa: PLC0415
+    from ..study import load_study  # noqa: PLC0415
+
+    if study == "demo":
+        return []
+    loaded = load_study(study)
+    paths = {t.trial_id: Layout(results).status(t.trial_id) for t in loaded.trials}
+    return trial_warnings(loaded, {n: read_json(p) for n, p in paths.items() if p.is_file()})
 
 
 def _study_trial_ids(study: str) -> set[str]:

@@ -47,8 +47,10 @@ def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -
 
 
 def is_own(path: Path) -> bool:
-    """Whether `write` wrote a file, so that its likelihoods are those of our detectors."""
-    if path.suffix.lower() != ".csv":
+    """Whether `write` wrote a file, with covariances beside it: its likelihoods are those of our
+    detectors, of which less than 0.6 means not seen.
+    """
+    if path.suffix.lower() != ".csv" or not covariance_path(path).is_file():
         return False
     with path.open("rb") as content:
         return content.readline(64).startswith(f"scorer,{SCORER},".encode())

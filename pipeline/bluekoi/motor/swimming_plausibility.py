@@ -68,7 +68,15 @@ def study_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
               if (f := s.get("flapping")) and f.get("ratio") is not None
               and not f["agrees"] and abs(f["ratio"] - 1) > CLOCK_TOLERANCE}  # fmt: skip
     others = {i: s["swimming"] for i, s in good.items() if i not in ratios and s.get("swimming")}
-    return [*_clock_warnings(ratios, len(good)), *_implausible_swimming_warnings(others, len(good))]
+    stopped = {
+        i: f["video_hz"] for i, s in good.items()
+        if (f := s.get("flapping")) and f.get("flap_hz") == 0 and not f["agrees"]
+    }  # fmt: skip
+    return [
+        *_clock_warnings(ratios, len(good)),
+        *_stopped_motor_warnings(stopped, len(good)),
+        *_implausible_swimming_warnings(others, len(good)),
+    ]
 
 
 def tail_length_seen(positions: Positions) -> float:
@@ -119,6 +127,16 @@ def _clock_warnings(ratios: dict[str, float], of: int) -> Iterator[str]:
             f"video as the "
             f"motor does. Either fps is {value:.4g} times the true frame rate (clock_error), and "
             "speeds and rates are wrong by that factor, or the motor log or flap_hz is wrong."
+        )
+
+
+def _stopped_motor_warnings(beats_hz: Mapping[str, float], of: int) -> Iterator[str]:
+    if beats_hz:
+        low, high = min(beats_hz.values()), max(beats_hz.values())
+        hz = f"{low:.3g}" if high < 1.01 * low else f"{low:.3g} to {high:.3g}"
+        yield (
+            f"{_trial_list_text(list(beats_hz), of)}: flap_hz is 0, but the tail beats at {hz} Hz "
+            "in the video. State the frequency, or leave flap_hz empty."
         )
 
 

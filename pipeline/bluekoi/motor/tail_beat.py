@@ -23,7 +23,9 @@ MIN_LINE_TO_BACKGROUND_POWER_RATIO = 2.0
 MAX_BEAT_STD_SHARE = 1e-3
 """Relative deviation of a tail beat that is there: noise alone gives ten times that."""
 ALIAS_TOLERANCE = 0.01
-"""A beat above half the frame rate that is off the motor's frequency by more may be an alias."""
+"""A beat above half the rate of the frames that show the tail, and off the motor's frequency by
+more than this share, may be an alias.
+"""
 FREQUENCIES_PER_BATCH = 256
 """Frequencies whose spectrum is computed at once, to bound memory."""
 SEARCH_RANGE_SHARE_OF_GUESS = 0.25
@@ -105,26 +107,38 @@ def clock_ratio(source: Positions | Pose, flapping: Flapping) -> tuple[float, fl
     beat is sought around the motor's frequency, around `FRAME_RATE_FACTORS` times it with the
     motor's own rate over time, then over all frequencies below half the frame rate. A beat near the
     motor's frequency is replaced only by one `MIN_LINE_TO_BACKGROUND_POWER_RATIO` times as strong,
-    so that no harmonic is taken for the beat, or where it may be the alias of a slower one.
+    so that no harmonic is taken for the beat. One that may be an alias is not used.
     """
     motor_hz = flapping.flap_hz
     hz, std = tail_beat_from_video(source, motor_hz, flapping=flapping)
-    known, least = (hz, std), 0.0
-    step = float(np.median(np.diff(source.time_s))) if len(source.time_s) > 1 else np.inf
-    if np.isfinite(hz) and not (hz * step > 0.5 and abs(hz / motor_hz - 1) > ALIAS_TOLERANCE):
+    seen_s = _beat_signal(source)[0]
+    step = float(np.median(np.diff(seen_s))) if len(seen_s) > 1 else np.inf
+    alias = hz * step > 0.5 and abs(hz / motor_hz - 1) > ALIAS_TOLERANCE
+    known, least = (float("nan"), float("nan")) if alias else (hz, std), 0.0
+    if np.isfinite(known[0]):
         least = MIN_LINE_TO_BACKGROUND_POWER_RATIO * _beat_amplitude_rad(source, hz, flapping)
     for factor in FRAME_RATE_FACTORS:
         stretched = replace(source, time_s=source.time_s * factor)
         hz, std = tail_beat_from_video(stretched, motor_hz, flapping=flapping)
-        if std < MAX_BEAT_STD_SHARE * hz and hz * step * factor < 0.5:
+        clear = std < MAX_BEAT_STD_SHARE * hz and hz * step * factor < 0.5
+        if clear and not _is_alias_of(motor_hz, factor * hz, step):
             size = _beat_amplitude_rad(stretched, hz, flapping)
             if size > least:
                 known, least = (factor * hz, factor * std), size
     if not np.isfinite(known[0]):
         hz, std = tail_beat_from_video(source)
-        known = (hz, std) if std < MAX_BEAT_STD_SHARE * hz else known
+        clear = std < MAX_BEAT_STD_SHARE * hz and not _is_alias_of(motor_hz, hz, step)
+        known = (hz, std) if clear else known
     ratio, error = known[0] / motor_hz, known[1] / motor_hz
     return ratio, float(np.hypot(error, ratio * flapping.flap_hz_std / motor_hz))
+
+
+def _is_alias_of(beat_hz: float, seen_hz: float, step_s: float) -> bool:
+    """Whether frames at this interval show a beat above half their rate at the frequency seen."""
+    if beat_hz * step_s <= 0.5:
+        return False
+    folded_hz = abs(beat_hz - round(beat_hz * step_s) / step_s)
+    return abs(folded_hz - seen_hz) < ALIAS_TOLERANCE * beat_hz
 
 
 def _beat_amplitude_rad(source: Positions | Pose, hz: float, flapping: Flapping) -> float:

@@ -142,7 +142,7 @@ def _length_remarks(body: Body, robot: Robot, head_length_m: float) -> tuple[str
         f"{name} measures {1000 * found:.1f} mm in the pool, study.yaml or trials.csv say "
         f"{1000 * known:.1f} mm"
         for name, (found, known) in pairs.items()
-        if abs(found / known - 1) > LENGTH_TOLERANCE
+        if abs(found - known) > LENGTH_TOLERANCE * known
     )
 
 

@@ -38,9 +38,8 @@ def body_lengths(xy_m: Float, cov_m2: Float, robot: Robot, head_length_m: float)
     whole = _median_distance(xy_m, cov_m2, 1, 3)
     head = _median_distance(xy_m, cov_m2, 0, 1)
     known = (robot.hinge_to_com_m, robot.com_to_tail_base_m)
-    scale = _first_finite(
-        whole / sum(known), hinge / known[0], tail / known[1], head / head_length_m, 1
-    )
+    seen = ((whole, sum(known)), (hinge, known[0]), (tail, known[1]), (head, head_length_m))
+    scale = _first_finite(*(length / stated for length, stated in seen if stated > 0), 1)
     return Body(
         hinge_m=_first_finite(hinge, whole - tail, scale * known[0]),
         tail_m=_first_finite(tail, whole - hinge, scale * known[1]),

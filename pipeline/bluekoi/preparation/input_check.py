@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from filecmp import cmp
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,15 +14,16 @@ from ..camera import map_keypoints, pool_camera
 from ..camera.picture_bounds import check_within_picture
 from ..data import MIN_POSE_FRAMES, Keypoints, is_confident
 from ..errors import Finding, InputError, input_error
+from ..files import to_json_types
 from ..footage import open_recording
 from ..keypoints import source_module
-from ..motor import flapping_from_log
+from ..motor import flapping_from_log, flapping_record, trial_flapping
 from ..motor.motor_log import log_coverage
+from ..motor.swimming_plausibility import tail_length_seen
 from ..pose.body import RIGID_PARTS
 from ..pose.fit import usable_frames
 from ..pose.plausibility import plausible_pose
 from ..study import Setup, Study, Trial
-from ..study.consistency_rules import robot_warnings
 from ..study.recording_pixels import setup_in_film_pixels
 
 FREQUENCY_TOLERANCE = 0.05
@@ -31,29 +33,36 @@ contradict each other.
 
 
 def setup_findings(setup: Setup, folder: Path) -> tuple[list[Finding], tuple[str, ...]]:
-    """What is wrong with detector and camera of a study.yaml, and remarks on camera and robot."""
+    """What is wrong with detector and camera of a study.yaml, and remarks on the camera."""
     try:
         source_module(setup.detection.source)
-        return [], (*pool_camera(setup).remarks, *robot_warnings(setup))
+        return [], pool_camera(setup).remarks
     except InputError as found:
         return [_with_study_folder(folder, finding) for finding in found.findings], ()
 
 
-def file_findings(
+def file_findings(study: Study) -> list[Finding]:
+    """A finding for each source and motor log that a run could not read, and for shared sources."""
+    return check_files(study)[0]
+
+
+def check_files(
     study: Study, progress: Callable[[float], None] = lambda _: None
-) -> list[Finding]:
-    """A finding for each source and motor log that a run could not read, and for shared sources.
+) -> tuple[list[Finding], dict[str, dict[str, Any]]]:
+    """`file_findings`, and what the keypoint files of sound trials say of flapping frequency and
+    tail, by trial id and in the words of status/ID.json.
 
     progress: called with the share of the trials done.
     """
-    found = _shared_source_findings(study)
+    found, statuses = _shared_source_findings(study), {}
     for done, trial in enumerate(study.trials, 1):
         try:
-            _check_readable(study, trial)
+            if status := _check_readable(study, trial):
+                statuses[trial.trial_id] = status
         except InputError as error:
             found += error.findings
         progress(done / len(study.trials))
-    return found
+    return found, statuses
 
 
 def _with_study_folder(folder: Path, finding: Finding) -> Finding:
@@ -95,10 +104,13 @@ def _duplicate_files(paths: set[Path]) -> dict[Path, Path]:
     return out
 
 
-def _check_readable(study: Study, trial: Trial) -> None:
-    """Raises: InputError where a trial's motor log, keypoints or film cannot be read, where the
+def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
+    """What a keypoint file says of flapping frequency and tail; nothing for a film.
+
+    Raises: InputError where a trial's motor log, keypoints or film cannot be read, where the
     keypoints cannot be those of the robot, or the log is of another time or contradicts flap_hz.
     """
+    positions = None
     if trial.reads_keypoints:
         path = study.paths(trial)[0]
         found = source_module("deeplabcut").read(path, trial, study.setup.bodyparts)
@@ -120,6 +132,11 @@ def _check_readable(study: Study, trial: Trial) -> None:
         flapping = flapping_from_log(log)
         log_coverage(log, flapping, (trial.start_s or 0.0, end_s))
         _check_stated_frequency(study, trial, flapping.flap_hz)
+    if positions is None:
+        return {}
+    record = flapping_record(trial_flapping(study, trial, positions))
+    status = {"ok": True, "flapping": record, "tail_m": tail_length_seen(positions)}
+    return dict(to_json_types(status))
 
 
 def _check_stated_frequency(study: Study, trial: Trial, log_hz: float) -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from ..camera.length_warnings import length_warnings
 from ..files import read_json, read_json_if_present, write_json
 from ..motor.power_consistency import power_warnings
 from ..motor.swimming_plausibility import study_warnings, tail_warnings
-from ..study import load_study
+from ..study import Study, load_study
 from ..study.consistency_rules import robot_warnings
 from .layout import Layout, remove_files
 from .manifest import write_manifest
@@ -30,23 +32,27 @@ def outcome(study: Path, results: Path) -> list[str]:
     """
     layout, done = Layout(results), Layout(results).outcome
     loaded = load_study(study)
-    powers = {trial.trial_id: trial.power_pct for trial in loaded.trials}
-    statuses = {name: read_json(layout.status(name)) for name in powers}
+    statuses = {t.trial_id: read_json(layout.status(t.trial_id)) for t in loaded.trials}
     bad = [f"{name}: {text}" for name, s in statuses.items() if (text := failure_reason(s))]
     geometry, mismatch = (
         read_json_if_present(results / f"{n}.json") for n in ("geometry", "mismatch")
     )
-    warnings = [
-        *robot_warnings(loaded.setup),
-        *study_warnings(statuses),
-        *tail_warnings(statuses, loaded.setup.robot.tail_length_m),
-        *power_warnings(statuses, powers),
-        *length_warnings(geometry, mismatch),
-    ]
+    warnings = [*trial_warnings(loaded, statuses), *length_warnings(geometry, mismatch)]
     remove_files([done])
     if changed := write_manifest(study, results):
         warnings.insert(0, CHANGED_MESSAGE.format(", ".join(changed)))
     if bad:
         return [*bad, *(f"Warning: {text}" for text in warnings)]
-    write_json(done, {"trials": len(powers), "all_good": True, "warnings": warnings})
+    write_json(done, {"trials": len(statuses), "all_good": True, "warnings": warnings})
     return []
+
+
+def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """What to check in study.yaml and in trials that were used. statuses: by trial id."""
+    powers = {trial.trial_id: trial.power_pct for trial in study.trials}
+    return [
+        *robot_warnings(study.setup),
+        *study_warnings(statuses),
+        *tail_warnings(statuses, study.setup.robot.tail_length_m),
+        *power_warnings(statuses, powers),
+    ]

@@ -12,19 +12,11 @@ from ..camera.calibration_uncertainty import calibration_covariance_at_places
 from ..camera.picture_bounds import check_within_picture
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
-from ..data import Flapping, Positions, Steady, Track, write_pose, write_track
+from ..data import Flapping, Steady, Track, write_pose, write_track
 from ..errors import InputError, input_error
 from ..files import read_json
 from ..keypoints.deeplabcut import read_detections
-from ..motor import (
-    clock_ratio,
-    flapping_compared_with_video,
-    flapping_from_log,
-    flapping_from_stated_frequency,
-    tail_beat_from_video,
-    tail_beat_lag,
-)
-from ..motor.motor_log import log_coverage
+from ..motor import flapping_record, trial_flapping
 from ..motor.swimming_plausibility import (
     CHECK_LENGTHS_REMEDY,
     implausible_numbers,
@@ -43,14 +35,10 @@ from .layout import Layout
 from .pool_edges import check_pool_edges
 from .status import run_with_status
 
-__all__ = ["preload", "tracks", "trial_flapping"]
+__all__ = ["preload", "tracks"]
 
 CLOCK_TOLERANCE_SHARE = 0.01
 """Clocks of motor and video that differ by a larger share make a steady speed doubtful."""
-
-
-MIN_LOGGED_SHARE = 0.5
-"""Logged share of a recording below which the track carries a remark."""
 
 
 def tracks(study: Path, results: Path, trial_id: str, *, inputs: str = "") -> None:
@@ -106,7 +94,7 @@ def _write_track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     return {
         **detection,
         "remarks": list(dict.fromkeys(remarks)),
-        "flapping": _flapping_json(flapping),
+        "flapping": flapping_record(flapping),
         "swimming": swimming,
         "tail_m": tail_length_seen(positions),
         "pool_edges": edges,
@@ -144,55 +132,3 @@ def _with_calibration_std(track: Track, camera: PoolCamera, depth_m: float) -> T
         np.hypot(np.sqrt(cov[:, 1, 1]), track.y_m_std),
     )
     return replace(track, x_m_std=x, y_m_std=y)
-
-
-def trial_flapping(study: Study, trial: Trial, positions: Positions) -> Flapping:
-    """Flapping frequency by motor log, else as given, else from the tail in the video.
-
-    Raises: InputError where none of the three gives it.
-    """
-    log = study.motor_path(trial)
-    if log is not None:
-        flapping = _with_coverage_remark(log, flapping_from_log(log), positions)
-    elif trial.flap_hz is not None:
-        flapping = flapping_from_stated_frequency(trial.flap_hz)
-    else:
-        return _flapping_from_video(study, trial, positions)
-    if flapping.flap_hz <= 0:
-        return flapping
-    found = flapping_compared_with_video(flapping, *clock_ratio(positions, flapping))
-    if not np.isfinite(found.video_hz):
-        return found
-    lag, std = tail_beat_lag(positions, flapping)
-    return replace(found, beat_lag_rad=lag, beat_lag_std_rad=std)
-
-
-def _with_coverage_remark(log: Path, flapping: Flapping, positions: Positions) -> Flapping:
-    share = log_coverage(log, flapping, (positions.time_s[0], positions.time_s[-1]))
-    if share >= MIN_LOGGED_SHARE:
-        return flapping
-    remark = (
-        f"the motor log covers {100 * share:.0f} % of the recording; its frequency is used for all"
-    )
-    return replace(flapping, remarks=(*flapping.remarks, remark))
-
-
-def _flapping_from_video(study: Study, trial: Trial, positions: Positions) -> Flapping:
-    hz, std = tail_beat_from_video(positions)
-    if not hz > 0:
-        raise input_error(
-            study.root / "trials.csv",
-            f"trial {trial.trial_id}",
-            "neither motor_log nor flap_hz, and no tail beat seen in the video",
-            "a flapping frequency",
-            "Give motor_log or flap_hz.",
-        )
-    remark = "no motor log and no flap_hz: flapping frequency taken from the tail in the video"
-    return Flapping(hz, std, "video", video_hz=hz, video_hz_std=std, remarks=(remark,))
-
-
-def _flapping_json(flapping: Flapping) -> dict[str, Any]:
-    names = ("flap_hz", "flap_hz_std", "source", "video_hz", "video_hz_std", "ratio", "ratio_std",
-             "beat_lag_rad", "beat_lag_std_rad", "start_s", "lost_time_s", "drift_per_s",
-             "agrees")  # fmt: skip
-    return {name: getattr(flapping, name) for name in names}

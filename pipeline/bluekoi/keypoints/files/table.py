@@ -18,6 +18,12 @@ MAX_COORDINATE_PX = 1e6
 MAX_LIKELIHOOD = 2.0  # scores of some networks reach a little over 1
 MIN_LIKELIHOOD_IN_FILE = 0.1
 """Likelihood below which a point of a file was not seen."""
+MAX_LEFT_OUT_SHARE = 0.1
+"""Share of the points left out for their low likelihood above which the trial carries a remark."""
+LEFT_OUT_REMARK = (
+    "{:.0f} % of the points are left out: their likelihood is from 0.1 to 0.6, while that of most "
+    "points of the same part is higher"
+)
 MAX_GAP_FRAMES = 20_000
 """Frames that may be missing in one go: more than five minutes at 60 frames a second."""
 CORE_PARTS = ("hinge", "core_center", "tail_base")
@@ -191,6 +197,9 @@ def to_keypoints(
         [white_noise_px(xy[:, i], likelihood[:, i]) ** 2 for i in range(len(order))]
     )
     cov = np.where(np.isfinite(xy[..., :1, None]), variance[:, None, None] * np.eye(2), np.nan)
+    left_out = (likelihood >= min_likelihood) & ~is_confident(likelihood)
+    if left_out.sum() > MAX_LEFT_OUT_SHARE * left_out.size:
+        remarks = (*remarks, LEFT_OUT_REMARK.format(100 * left_out.mean()))
     remarks = (*table.remarks, *remarks)
     return Keypoints(time_s[inside], tuple(chosen), xy, likelihood, cov, remarks)
 

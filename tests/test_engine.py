@@ -29,13 +29,13 @@ from bluekoi.engine import (
 )
 from bluekoi.engine.evidence import laplace_evidence, log_evidence
 from bluekoi.engine.expansion import likely_strengths
+from bluekoi.engine.own_noise import SMALL_FORCE_CORRELATION_TIME_S, SMALL_FORCE_SHARE
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
-from bluekoi.engine.refit import SMALL_FORCE_CORRELATION_TIME_S, SMALL_FORCE_SHARE
 from bluekoi.engine.set_columns import Layout
 from bluekoi.engine.set_score import score_set
 from bluekoi.engine.subset import designed_subset
 from bluekoi.fitting import Free, Noise, Series
-from bluekoi.fitting.normal import marginal_products
+from bluekoi.fitting.trial_effects import marginal_products
 from bluekoi.integrate import Effect, Parameter, Stage, System, compiled
 from validation.noise_starts import gain_table, gains_of_sets
 from validation.search_limits import round_gains
@@ -99,7 +99,7 @@ def test_random_trial_effects_are_integrated_out_exactly() -> None:
     e, J, Z = rng.normal(size=9), rng.normal(size=(9, 2)), rng.normal(size=(9, 2))
     stds = np.array([[0.7, 1.9]])
     columns = np.column_stack([e, J, Z])
-    products, constant = marginal_products((columns.T @ columns)[None], stds)
+    products, constant, effects = marginal_products((columns.T @ columns)[None], stds)
     cov = np.eye(9) + Z @ np.diag(stds[0] ** 2) @ Z.T
     exact = multivariate_normal(np.zeros(9), cov).logpdf(e)
     white = -0.5 * 9 * np.log(2 * np.pi)
@@ -107,6 +107,9 @@ def test_random_trial_effects_are_integrated_out_exactly() -> None:
     inverse = np.linalg.inv(cov)
     assert products[0, 1:, 1:] == pytest.approx(J.T @ inverse @ J)
     assert products[0, 1:, 0] == pytest.approx(J.T @ inverse @ e)
+    own = np.linalg.solve(Z.T @ Z + np.diag(stds[0] ** -2.0), Z.T)
+    assert effects.values[0] == pytest.approx(own @ e)
+    assert effects.slopes[0] == pytest.approx(-own @ J)
 
 
 def no_force() -> tuple[float]:

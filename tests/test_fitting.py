@@ -6,20 +6,33 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
 from bluekoi.fitting import (
     Free,
     Noise,
+    Normal,
     Series,
+    TrialEffect,
     block_averaged,
     filter_all,
     filter_series,
     fit,
     fit_noise,
+    normal_equations,
 )
+from bluekoi.fitting.bounded_step import bounded_step
 from bluekoi.fitting.gram import set_whitened_products
 from bluekoi.fitting.linear import linearised, log_likelihood, log_likelihood_gradient
+from bluekoi.fitting.predictions import (
+    CHANGES_PER_BLOCK,
+    ParameterChange,
+    predicted_blocks,
+    products_of_blocks,
+    whitened_products,
+)
 from bluekoi.integrate import compiled
 from mass_model import SYSTEM
 
@@ -177,7 +190,80 @@ def test_a_fit_takes_its_last_step_and_reports_its_gain() -> None:
     assert abs(rough.normal.gradient.sum()) < 0.02 / std
 
 
-def _randomly_pushed(rng: np.random.Generator, n: int, noise: Noise) -> np.ndarray:
+def test_the_slope_of_the_likelihood_holds_where_trials_differ_widely() -> None:
+    """Linearised about the trials' common value, it had the wrong sign near the optimum."""
+    rng = np.random.default_rng(6)
+    noise = Noise(np.array([0.05, 0.0]), np.array([0.5, 0.15]), np.ones(1),
+                  trial_effects=(TrialEffect("c", 0.1),))  # fmt: skip
+    kernel, base = compiled(SYSTEM), SYSTEM.values({})
+    trials = [replace(make_series(_randomly_pushed(rng, 100, noise, drag)), name=str(k))
+              for k, drag in enumerate([0.1, 0.3, 0.6, 1.5])]  # fmt: skip
+    held = filter_all(kernel, trials, [base] * 4, noise)
+
+    def at(c: float) -> Normal:
+        return normal_equations(kernel, trials, base, [Free("c")], np.array([c]), noise=noise,
+                                predictor=held)  # fmt: skip
+
+    difference = at(0.501).log_likelihood - at(0.499).log_likelihood
+    found = at(0.5)
+    assert np.abs(found.effects.values).max() > 0.02
+    assert found.gradient[:, 0] == pytest.approx(difference / 0.002, rel=0.02, abs=0.02)
+
+
+def test_steady_columns_are_taken_over_from_a_point_near_by() -> None:
+    rng = np.random.default_rng(7)
+    noise = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
+    kernel, slot = compiled(SYSTEM), SYSTEM.slot["c"]
+    trials = [replace(make_series(_randomly_pushed(rng, 60, noise)), name=str(k)) for k in range(2)]
+    changes = [ParameterChange(1e-4, np.ones(2, dtype=bool), {slot: 1.0}, steady=k < 3)
+               for k in range(CHANGES_PER_BLOCK + 3)]  # fmt: skip
+
+    def points(c: float) -> list[np.ndarray]:
+        return [SYSTEM.values({"c": c})] * 2
+
+    held = filter_all(kernel, trials, points(0.5), noise)
+    near = predicted_blocks(kernel, held, points(0.5), changes, noise)
+    again = predicted_blocks(kernel, held, points(0.5), changes, noise, near=near)
+    assert np.array_equal(products_of_blocks(held, again), products_of_blocks(held, near))
+    moved = predicted_blocks(kernel, held, points(0.6), changes, noise, near=near)
+    mixed = products_of_blocks(held, moved)
+    here, there = (whitened_products(kernel, held, points(c), changes, noise) for c in (0.6, 0.5))
+    assert mixed[:, 0, 0] == pytest.approx(here[:, 0, 0])
+    assert mixed[:, 4:, 4:] == pytest.approx(here[:, 4:, 4:])
+    assert mixed[:, 1:4, 1:4] == pytest.approx(there[:, 1:4, 1:4])
+    assert here[:, 1, 1] != pytest.approx(there[:, 1, 1], rel=0.01)
+
+
+@pytest.mark.parametrize("radius", [np.inf, 0.3])
+@given(seed=st.integers(0, 2**32 - 1))
+def test_a_bounded_step_is_the_best_within_its_bounds(radius: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    p = int(rng.integers(1, 8))
+    J, g = rng.normal(size=(p + 3, p)) * np.exp(rng.normal(size=p)), 5 * rng.normal(size=p)
+    H = J.T @ J
+    lower, upper = -rng.exponential(size=p), rng.exponential(size=p)
+    lower[rng.random(p) < 0.3] = 0.0
+    step = bounded_step(H, g, lower, upper, radius)
+    limits = radius / np.sqrt(np.diag(H))
+    least, most = np.maximum(lower, -limits), np.minimum(upper, limits)
+    assert np.all((step >= least - 1e-12) & (step <= most + 1e-12))
+    slope = g - H @ step
+    free = (step > least + 1e-9) & (step < most - 1e-9)
+    size = np.abs(g) + np.abs(H) @ np.abs(step) + 1e-9
+    assert np.all(np.abs(slope[free]) < 1e-5 * size[free])
+    assert np.all(slope[step <= least + 1e-9] < 1e-5 * size[step <= least + 1e-9])
+    assert np.all(slope[step >= most - 1e-9] > -1e-5 * size[step >= most - 1e-9])
+
+
+def test_numbers_without_information_stay() -> None:
+    H, g = np.diag([4.0, 0.0]), np.array([2.0, 0.0])
+    step = bounded_step(H, g, np.full(2, -1.0), np.full(2, 1.0))
+    assert step == pytest.approx([0.5, 0.0])
+
+
+def _randomly_pushed(
+    rng: np.random.Generator, n: int, noise: Noise, drag: float = 0.5
+) -> np.ndarray:
     fine = 10
     dt = STEP_S / fine
     keep = np.exp(-dt / noise.tau)
@@ -186,7 +272,7 @@ def _randomly_pushed(rng: np.random.Generator, n: int, noise: Noise) -> np.ndarr
     for k in range(n):
         seen[k] = x + e + WHITE_STD * rng.standard_normal()
         for _ in range(fine):
-            x, v = x + dt * v, v + dt * (g - 0.5 * v)
+            x, v = x + dt * v, v + dt * (g - drag * v)
             g, e = keep * np.array([g, e]) + noise.disturbance * np.sqrt(
                 1 - keep**2
             ) * rng.standard_normal(2)

@@ -1,7 +1,7 @@
 """What the second start of the noise estimate gains, by its share and correlation time.
 
 The estimate of the random forces begins at forces as first estimated, and a second time at small
-ones (`engine.refit.SMALL_FORCE_SHARE`, `SMALL_FORCE_CORRELATION_TIME_S`). For the model without
+ones (`engine.own_noise.SMALL_FORCE_SHARE`, `SMALL_FORCE_CORRELATION_TIME_S`). For the model without
 causes and for the most probable set of a measured study: log joint density that is reached from
 the second start, less that from the first.
 """
@@ -16,7 +16,7 @@ import numpy as np
 
 from bluekoi.engine import fit_own_noise, fit_set, search_sets
 from bluekoi.engine.fitted_sets import FittedSets
-from bluekoi.engine.refit import small_force_noise
+from bluekoi.engine.own_noise import small_force_noise
 
 from .search_limits import study_problem
 

@@ -16,7 +16,8 @@ import numpy as np
 from bluekoi.campaign import load_campaign
 from bluekoi.engine import Problem, posterior, search_sets
 from bluekoi.engine.fitted_sets import FittedSets
-from bluekoi.engine.refit import fit_own_noise, fit_set
+from bluekoi.engine.own_noise import fit_own_noise
+from bluekoi.engine.refit import fit_set
 from bluekoi.engine.set_score import score_set
 from bluekoi.integrate import compiled
 from bluekoi.mismatch.find import SEARCH_RATE_HZ

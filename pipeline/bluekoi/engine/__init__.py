@@ -2,7 +2,8 @@
 
 candidates  what may be added, and what is known of it before any data
 problem     a system, its trials, its candidates
-refit       nonlinear fits of a set of causes with its own noise
+refit       nonlinear fits of a set of causes, with all its functional forms
+own_noise   fits of a set under its own noise
 expansion   second-order expansion of the likelihood in the numbers of all candidates
 columns     numbers of a set in an expansion, and their priors
 forces      forces of a set's causes and of residual terms along the trials
@@ -23,9 +24,10 @@ from .naming import (
     insignificant_causes,
     named_causes,
 )
+from .own_noise import fit_own_noise, without_discrepancy
 from .posterior import Posterior, posterior
 from .problem import Problem
-from .refit import FittedSet, fit_own_noise, fit_set, off_bounds_mask, without_discrepancy
+from .refit import FittedSet, fit_set, off_bounds_mask
 from .search import FittedSets, search_sets
 from .set_score import ScoredSet
 

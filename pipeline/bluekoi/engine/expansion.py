@@ -16,14 +16,11 @@ from ..data import Float
 from ..fitting import Free
 from ..fitting.normal import (
     Normal,
-    difference_step,
-    marginal_products,
     prior_terms,
-    trial_effect_changes,
-    trial_effect_stds,
 )
-from ..fitting.predictions import ParameterChange, whitened_products
+from ..fitting.predictions import ParameterChange, difference_step
 from ..fitting.side_measurements import side_measurement_terms
+from ..fitting.trial_effects import marginal_products_at_effects
 from ..integrate import System
 from .candidates import Candidate, parameter_of, strength_step
 from .forces import forces_in_set
@@ -113,11 +110,10 @@ def _trial_products(
     for itself integrated out; side measurements and priors of the set's own numbers included.
     """
     kernel = problem.kernel
-    more = [*changes, *trial_effect_changes(kernel, points, model.noise)]
-    products, constant = marginal_products(
-        whitened_products(kernel, model.passes, points, more, model.noise),
-        trial_effect_stds(kernel, points, model.noise),
-    )
+    products, constant, *_ = marginal_products_at_effects(
+        kernel, model.passes, points, changes, noise=model.noise,
+        effects=model.effects(problem),
+    )  # fmt: skip
     information, score, side = side_measurement_terms(kernel, problem.series, frees, points)
     p = len(model.fit.free)
     known = prior_terms(kernel, model.fit.free, model.fit.values, len(points))

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .expansion import Expansion, expand_about
+from .own_noise import fit_own_noise
 from .problem import Problem
-from .refit import FittedSet, fit_own_noise, fit_set, likeliest_start
+from .refit import FittedSet, fit_set, likeliest_start
 from .set_score import ScoredSet, score_set, with_discrepancy
 
 MAX_LOG_ODDS_TO_REFIT = 20.0
@@ -65,13 +66,14 @@ class FittedSets:
             known |= likeliest_start(self.problem, near, cause)
         left = self.shared_discrepancy(near, key)
         stds = {label: std for label, std in near.deviations.items() if label in left}
+        effects = near.effects(self.problem)
         model = fit_set(self.problem, causes, near.noise, known, discrepancy=left,
-                       deviations=stds)  # fmt: skip
+                       deviations=stds, effects=effects)  # fmt: skip
         if near.key < key and model.log_joint < near.log_joint - MAX_NESTED_LOG_LIK_LOSS:
             absent = {f.label: 0.0 for cause in key - near.key
                       for f in self.problem.by_name[cause].strengths}  # fmt: skip
             model = fit_set(self.problem, causes, near.noise, {**known, **absent}, discrepancy=left,
-                           deviations=stds)  # fmt: skip
+                           deviations=stds, effects=effects)  # fmt: skip
         if not model.usable:
             return before
         found = score_set(self.problem, fit_own_noise(self.problem, model, most=1))

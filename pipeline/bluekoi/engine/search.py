@@ -19,15 +19,9 @@ from .candidates import Candidate
 from .evidence import evidence_with_shares, log_prior, most_probable_shares
 from .expansion import Expansion, expand_about, likely_strengths
 from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FittedSets
+from .own_noise import fit_own_noise, is_likelier_under, small_force_noise
 from .problem import MAX_SEARCH_TRIALS, Problem
-from .refit import (
-    FittedSet,
-    fit_own_noise,
-    fit_set,
-    is_likelier_under,
-    small_force_noise,
-    strength_starts,
-)
+from .refit import FittedSet, fit_again, fit_set, strength_starts
 from .residual_magnitudes import plausible_residual_magnitudes
 from .set_columns import layout_of_set
 from .set_score import ScoredSet, score_set
@@ -178,9 +172,7 @@ def _keep_better_noise(visited: FittedSets, scored: ScoredSet, source: FittedSet
     """Keep the refit of a set from another's noise where that fits better."""
     problem, model = visited.problem, scored.model
     left = visited.shared_discrepancy(source, model.key)
-    again = fit_set(problem, model.causes, source.noise, model.fit.by_label(),
-                   free=model.fit.free, discrepancy=left or model.discrepancy,
-                   deviations=model.deviations)  # fmt: skip
+    again = fit_again(problem, model, source.noise, discrepancy=left or model.discrepancy)
     if again.log_joint <= model.log_joint:
         return
     other = score_set(problem, fit_own_noise(problem, again, two_starts=False))
@@ -215,10 +207,7 @@ def _fit_further_under_small_forces(visited: FittedSets, scored: ScoredSet) -> N
     there: what the random forces of a set explain by themselves shows no gain under its own noise.
     """
     problem = visited.problem
-    model = fit_set(problem, scored.causes, small_force_noise(problem, scored.model.noise),
-                   scored.model.fit.by_label(), free=scored.model.fit.free,
-                   discrepancy=scored.model.discrepancy,
-                   deviations=scored.model.deviations)  # fmt: skip
+    model = fit_again(problem, scored.model, small_force_noise(problem, scored.model.noise))
     if not model.usable:
         return
     expansion = expand_about(problem, model)

@@ -9,8 +9,9 @@ import numpy as np
 from ..fitting import cov_hc2
 from .evidence import discrepancy_at_best, log_evidence, log_prior
 from .expansion import Expansion, expand_about
+from .own_noise import MAX_NOISE_ROUNDS, fit_own_noise
 from .problem import Problem
-from .refit import MAX_NOISE_ROUNDS, FittedSet, fit_own_noise, fit_set
+from .refit import FittedSet, fit_again
 from .set_columns import Layout, layout_of_set
 
 MAX_LOG_STD_CHANGE = 0.3
@@ -74,9 +75,8 @@ def with_discrepancy(
     ):
         return scored
     model = scored.model
-    again = fit_set(problem, model.causes, model.noise, model.fit.by_label(),
-                   free=model.fit.free, discrepancy={k: v for k, (v, _) in left.items()},
-                   deviations=stds)  # fmt: skip
+    again = fit_again(problem, model, model.noise, deviations=stds,
+                      discrepancy={k: v for k, (v, _) in left.items()})  # fmt: skip
     if not again.usable:
         return scored
     other = score_set(problem, fit_own_noise(problem, again, most=most, two_starts=False))

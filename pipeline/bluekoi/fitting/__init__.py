@@ -8,14 +8,9 @@ from .free_run import FreeRun, free_runs
 from .joint_fit import Fit, conditional_response, fit, pseudo_inverse
 from .missing_force import MissingForce, added_force, missing_force, rms_forces
 from .noise import fit_noise
-from .normal import (
-    Normal,
-    log_likelihoods,
-    normal_equations,
-    slots_by_name,
-    trial_values,
-)
+from .normal import Normal, log_likelihoods, normal_equations, trial_values
 from .paths import PathFit, fit_paths
+from .predictions import slots_by_name
 from .resampling import cov_hc2, cov_jackknife, inverse_fisher, off_bounds, student_t_draws
 from .sandwich import (
     ClusterCovariance,

@@ -6,25 +6,32 @@ Sums of the trials' normal equations give the fit, resampled sums its uncertaint
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..data import Float
 from ..integrate import CompiledSystem
+from .bounded_step import bounded_step
 from .filtering import FilterResults
-from .normal import Normal, normal_equations, slots_by_name
+from .normal import Normal, normal_equations_and_predictions
+from .predictions import slots_by_name
 from .series import Free, Noise, Series
 
 CONVERGED = "converged"
 AT_BOUND = "at a bound: the data ask for more than is plausible, look for missing physics"
 STALLED = "stalled: no step improves the fit; try other starts, or fewer free coefficients"
-INITIAL_DAMPING, DAMPED_TOLERANCE = 1e-4, 0.3
-"""Marquardt's parameter at the start, and the part of the tolerance at which a step that is damped
-more than that ends a fit.
-"""
+RESTRICTED_TOLERANCE = 0.3
+"""Part of the tolerance at which a step that the trust region shortens ends a fit."""
 FAILED_STEP_TOLERANCE = 2.0
-"""Part of the tolerance at which an undamped step that fails ends a fit."""
+"""Part of the tolerance at which a step that fails ends a fit, unless the region shortens it."""
+MIN_SHRINKAGE, MAX_SHRINKAGE = 0.1, 0.5
+"""Limits of the factor on a step that failed: the top of the parabola through both ends and the
+slope (Nocedal and Wright, Numerical Optimization (2006), sec. 3.5).
+"""
+GOOD_GAIN_SHARE, POOR_GAIN_SHARE = 0.75, 0.25
+"""Shares of the predicted gain above which the region grows and below which it shrinks to half
+the step (sec. 4.1)."""
 
 
 @dataclass(frozen=True)
@@ -56,18 +63,17 @@ def fit(
     kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free],
     noise: Noise, *, start: Mapping[str, float] | None = None, iterations: int = 25,
     tolerance: float = 1e-3, predictor: FilterResults | None = None,
-    spreads: Mapping[str, float] | None = None,
+    spreads: Mapping[str, float] | None = None, effects: Float | None = None,
 ) -> Fit:  # fmt: skip
-    """Levenberg-Marquardt on the prediction errors, within the parameters' bounds.
+    """Newton's method on the prediction errors, in a trust region and within the bounds.
 
     start: values by label; without it the parameters' own starts. Ends with the step that changes
     the numbers by no more than `tolerance` of their standard deviations in the mean square: its
     gain follows from the quadratic model of the last normal equations. A step that is small because
-    it is damped ends the fit at `DAMPED_TOLERANCE` of that, and is not taken: there the quadratic
-    model has failed.
-    An undamped step that fails and is at most `FAILED_STEP_TOLERANCE` of the tolerance ends the fit
-    where it is: the differences are no more exact than that.
-    predictor, spreads: as in `normal_equations`.
+    the region is ends the fit at `RESTRICTED_TOLERANCE` of that, and is not taken: there the
+    quadratic model has failed. A whole step that fails and is at most `FAILED_STEP_TOLERANCE` of
+    the tolerance ends the fit where it is: the differences are no more exact than that.
+    predictor, spreads: as in `normal_equations`, and so are effects, at the start.
     """
     slots = slots_by_name(kernel)
     parameters = [kernel.system.parameters[slots[f.name]] for f in free]
@@ -75,47 +81,45 @@ def fit(
     given = start or {}
     x = np.array([given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free])
     x = np.clip(x, lower, upper)
-    normal = normal_equations(kernel, series, base, free, x, noise=noise, predictor=predictor,
-                              spreads=spreads)  # fmt: skip
-    damping, outcome, count = INITIAL_DAMPING, STALLED, 0
-    while normal.usable and count < iterations and damping < 1e8:
+    normal, predictions = normal_equations_and_predictions(
+        kernel, series, base, free, x, noise=noise, predictor=predictor, spreads=spreads,
+        effects=effects,
+    )  # fmt: skip
+    radius, outcome, count = np.inf, STALLED, 0
+    while normal.usable and count < iterations:
         count += 1
-        step = damped_step(normal, damping, x, lower, upper)
-        trial = np.clip(x + step, lower, upper)
-        undamped = damping <= INITIAL_DAMPING
-        if _is_small(normal, trial - x, tolerance if undamped else DAMPED_TOLERANCE * tolerance):
-            if undamped:
-                x, normal = trial, _normal_after_step(normal, trial - x)
+        H, g = normal.hessian.sum(axis=0), normal.gradient.sum(axis=0)
+        step = bounded_step(H, g, lower - x, upper - x, radius)
+        longest = float(np.max(np.abs(step) * np.sqrt(np.maximum(np.diag(H), 0.0)), initial=0.0))
+        whole = longest < (1 - 1e-9) * radius
+        if _is_small(normal, step, tolerance * (1.0 if whole else RESTRICTED_TOLERANCE)):
+            if whole:
+                x, normal = np.clip(x + step, lower, upper), _normal_after_step(normal, step)
             outcome = CONVERGED
             break
-        candidate = normal_equations(
-            kernel, series, base, free, trial, noise=noise, predictor=predictor, spreads=spreads
-        )
-        gain = candidate.log_likelihood.sum() - normal.log_likelihood.sum()
-        if candidate.usable and gain >= -1e-9:
-            x, normal, damping = trial, candidate, max(damping * 0.2, 1e-9)
-        elif undamped and _is_small(normal, trial - x, FAILED_STEP_TOLERANCE * tolerance):
+        trial = np.clip(x + step, lower, upper)
+        candidate, _ = normal_equations_and_predictions(
+            kernel, series, base, free, trial, noise=noise, predictor=predictor, spreads=spreads,
+            effects=_effects_after_step(normal, step), near=predictions,
+        )  # fmt: skip
+        gain = float(candidate.log_likelihood.sum() - normal.log_likelihood.sum())
+        slope = float(g @ step)
+        share = gain / (slope - 0.5 * float(step @ H @ step))
+        if candidate.usable and gain >= 0:
+            x, normal = trial, candidate
+            if share > GOOD_GAIN_SHARE:
+                radius = max(radius, 2.0 * longest)
+            elif share < POOR_GAIN_SHARE:
+                radius = 0.5 * longest
+        elif whole and _is_small(normal, step, FAILED_STEP_TOLERANCE * tolerance):
             outcome = CONVERGED
             break
         else:
-            damping *= 8.0
+            top = 0.5 * slope / (slope - gain) if np.isfinite(gain) else 0.0
+            radius = longest * float(np.clip(top, MIN_SHRINKAGE, MAX_SHRINKAGE))
     bound = (x <= lower) | (x >= upper)
     outcome = AT_BOUND if outcome == CONVERGED and bound.any() else outcome
     return Fit(tuple(free), x, normal, outcome, count)
-
-
-def damped_step(normal: Normal, damping: float, x: Float, lower: Float, upper: Float) -> Float:
-    """(H + damping diag H)^-1 g over the numbers that are not held at a bound by g."""
-    H, g = normal.hessian.sum(axis=0), normal.gradient.sum(axis=0)
-    held = ((x <= lower) & (g < 0)) | ((x >= upper) & (g > 0))
-    move = ~held & (np.diag(H) > 0)
-    step = np.zeros(len(x))
-    if move.any():
-        A = H[np.ix_(move, move)]
-        scale = 1.0 / np.sqrt(np.diag(A))
-        scaled = A * np.outer(scale, scale) + damping * np.eye(len(A))
-        step[move] = scale * np.linalg.lstsq(scaled, scale * g[move], rcond=1e-12)[0]
-    return step
 
 
 def _is_small(normal: Normal, change: Float, tolerance: float) -> bool:
@@ -123,13 +127,19 @@ def _is_small(normal: Normal, change: Float, tolerance: float) -> bool:
     return bool(change @ normal.hessian.sum(axis=0) @ change < tolerance**2 * max(len(change), 1))
 
 
+def _effects_after_step(normal: Normal, step: Float) -> Float:
+    """Most probable trial effects (t, q) a step further, to first order."""
+    return normal.effects.values + normal.effects.slopes @ step
+
+
 def _normal_after_step(normal: Normal, step: Float) -> Normal:
     """The normal equations a step further, by their own parabola."""
     bend = normal.hessian @ step
-    return Normal(
-        normal.hessian,
-        normal.gradient - bend,
-        normal.log_likelihood + (normal.gradient - 0.5 * bend) @ step,
+    return replace(
+        normal,
+        gradient=normal.gradient - bend,
+        log_likelihood=normal.log_likelihood + (normal.gradient - 0.5 * bend) @ step,
+        effects=replace(normal.effects, values=_effects_after_step(normal, step)),
     )
 
 

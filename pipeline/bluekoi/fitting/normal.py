@@ -15,9 +15,16 @@ import numpy as np
 from ..data import Float
 from ..integrate import CompiledSystem
 from .filtering import FilterResults, filter_all
-from .predictions import ParameterChange, whitened_products
+from .predictions import (
+    ParameterChange,
+    PredictedBlocks,
+    difference_step,
+    slots_by_name,
+    whitened_products,
+)
 from .series import Free, Noise, Series
 from .side_measurements import side_measurement_terms
+from .trial_effects import NO_EFFECTS, ProbableEffects, marginal_products_at_effects
 
 
 @dataclass(frozen=True)
@@ -25,11 +32,13 @@ class Normal:
     """Normal equations of each trial at one point: trials t, free numbers p.
 
     hessian (t, p, p) = J'J, gradient (t, p) = J'e of the whitened errors, log_likelihood (t,).
+    effects: the most probable trial effects at the point.
     """
 
     hessian: Float
     gradient: Float
     log_likelihood: Float
+    effects: ProbableEffects = NO_EFFECTS
 
     @property
     def usable(self) -> bool:
@@ -50,87 +59,58 @@ def trial_values(
     return out
 
 
-def slots_by_name(kernel: CompiledSystem) -> dict[str, int]:
-    """Place of every parameter by name."""
-    return kernel.system.slot
-
-
-@np.errstate(over="ignore", invalid="ignore")  # `Normal.usable` is False for a model that diverges
 def normal_equations(
     kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free],
     values: Float, *, noise: Noise, predictor: FilterResults | None = None,
-    spreads: Mapping[str, float] | None = None,
+    spreads: Mapping[str, float] | None = None, effects: Float | None = None,
 ) -> Normal:  # fmt: skip
     """Normal equations at a point, from one filter pass and one batch of perturbed predictions.
 
     spreads: prior standard deviations about 0 by label, in place of `Parameter.spread`.
+    effects (t, q): trial effects about which the predictions are linearised; without, the most
+    probable ones at this point.
     predictor: gains of a filter at another point over the same series, held in place of a new
     pass; many candidates are then compared as predictors of one form, at a fraction of the cost.
+    """
+    return normal_equations_and_predictions(
+        kernel, series, base, free, values, noise=noise, predictor=predictor, spreads=spreads,
+        effects=effects,
+    )[0]  # fmt: skip
+
+
+@np.errstate(over="ignore", invalid="ignore")  # `Normal.usable` is False for a model that diverges
+def normal_equations_and_predictions(
+    kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free],
+    values: Float, *, noise: Noise, predictor: FilterResults | None = None,
+    spreads: Mapping[str, float] | None = None, effects: Float | None = None,
+    near: PredictedBlocks | None = None,
+) -> tuple[Normal, PredictedBlocks]:  # fmt: skip
+    """`normal_equations` and the predictions that they are made of.
+
+    near: predictions at a point near by, from which the columns of the numbers in `spreads` are
+    taken: they are forces that hardly change the motion on which they depend.
     """
     points = [trial_values(kernel, base, free, values, s.group) for s in series]
     passes = predictor or filter_all(kernel, series, points, noise)
     slots = slots_by_name(kernel)
     groups = [s.group for s in series]
     own = [np.array([f.group in {None, g} for g in groups]) for f in free]
-    changes = [ParameterChange(difference_step(kernel, f, value), trials, {slots[f.name]: 1.0})
+    changes = [ParameterChange(difference_step(kernel, f, value), trials, {slots[f.name]: 1.0},
+                               steady=f.label in (spreads or {}))
                for f, value, trials in zip(free, values, own, strict=True)]  # fmt: skip
-    changes += trial_effect_changes(kernel, points, noise)
-    products, constant = marginal_products(
-        whitened_products(kernel, passes, points, changes, noise),
-        trial_effect_stds(kernel, points, noise),
+    products, constant, found, blocks = marginal_products_at_effects(
+        kernel, passes, points, changes, noise=noise, effects=effects, near=near
     )
     information, score, side = side_measurement_terms(kernel, series, free, points)
     known = prior_terms(kernel, free, values, len(series), spreads)
-    return Normal(
+    normal = Normal(
         products[:, 1:, 1:] + information + known.hessian,
         products[:, 1:, 0] + score + known.gradient,
         passes.log_lik_const - 0.5 * products[:, 0, 0] + constant + side
         + known.log_likelihood,
+        found,
     )  # fmt: skip
-
-
-def trial_effect_changes(
-    kernel: CompiledSystem, points: Sequence[Float], noise: Noise
-) -> list[ParameterChange]:
-    """Differences in the parameters that vary from trial to trial."""
-    every, slots = np.ones(len(points), dtype=bool), slots_by_name(kernel)
-    out = []
-    for effect in noise.trial_effects:
-        slot = slots[effect.parameter]
-        free = Free(effect.parameter)
-        out.append(
-            ParameterChange(
-                difference_step(kernel, free, float(points[0][slot])), every, {slot: 1.0}
-            )
-        )
-    return out
-
-
-def trial_effect_stds(kernel: CompiledSystem, points: Sequence[Float], noise: Noise) -> Float:
-    """Standard deviations (trials, effects) of the parameters that vary from trial to trial."""
-    slots, at = slots_by_name(kernel), np.array(points)
-    columns = [e.std * (np.abs(at[:, slots[e.parameter]]) if e.relative else np.ones(len(at)))
-               for e in noise.trial_effects]  # fmt: skip
-    return np.array(columns).T.reshape(len(at), len(columns))
-
-
-def marginal_products(products: Float, stds: Float) -> tuple[Float, Float]:
-    """Products (t, n, n) of columns of which the last q have normal coefficients, integrated out.
-
-    With the errors e, columns J and random columns Z of covariance D = diag(stds^2), a trial's
-    marginal likelihood has the products P - P_z (P_zz + D^-1)^-1 P_z' and the constant
-    -1/2 log|I + D P_zz| (t,).  (Laird and Ware, Biometrics 38 (1982), 963)
-    """
-    q = stds.shape[1]
-    if q == 0:
-        return products, np.zeros(len(products))
-    kept = products.shape[1] - q
-    scaled = products[:, :, kept:] * stds[:, None, :]  # P_z D^1/2
-    inner = np.eye(q) + scaled[:, kept:] * stds[:, :, None]
-    solved = np.linalg.solve(inner, np.swapaxes(scaled[:, :kept], 1, 2))
-    with np.errstate(invalid="ignore"):  # of a trial in which the model runs away
-        constant = -0.5 * np.linalg.slogdet(inner)[1]
-    return products[:, :kept, :kept] - scaled[:, :kept] @ solved, constant
+    return normal, blocks
 
 
 def prior_terms(
@@ -167,11 +147,3 @@ def log_likelihoods(
     """
     errors = whitened_products(kernel, predictor, points, (), noise)
     return predictor.log_lik_const - 0.5 * errors[:, 0, 0]
-
-
-def difference_step(kernel: CompiledSystem, free: Free, value: float) -> float:
-    """Size of the difference in a free number, away from its upper bound."""
-    parameter = kernel.system.parameters[slots_by_name(kernel)[free.name]]
-    span = max(abs(value), 0.05 * abs(parameter.start), 1e-6)
-    step = 1e-4 * span
-    return -step if value + step > parameter.upper else step

@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import MAX_STEP_S
-from .normal import slots_by_name
+from .predictions import slots_by_name
 from .series import Free, Series, observations_and_weights, padded_arrays
 
 COARSE_STEP_S = 2 * MAX_STEP_S

@@ -58,12 +58,11 @@ class Series:
 class TrialEffect:
     """A parameter that differs from trial to trial, normally distributed about its common value.
 
-    std: standard deviation in the parameter's unit; relative: as a share of its value instead.
+    std: standard deviation in the parameter's unit, whatever its common value is.
     """
 
     parameter: str
     std: float
-    relative: bool = False
 
 
 @dataclass(frozen=True)

@@ -113,7 +113,8 @@ def find_mismatch(
                             by_homography=camera is not None and camera.matrix is None)  # fmt: skip
     visited = search_sets(problem, baseline.fit.by_label())
     problem = visited.problem
-    found = posterior(problem, list(visited.sets.values()))
+    fitted = list(visited.sets.values())
+    found = posterior(problem, fitted)
     chosen = choose_causes(found, problem.by_name, partial(fit_extended, problem, train, baseline))
     named, best, (final, extended) = chosen.named, chosen.best, chosen.model
     progress("missing force")
@@ -137,7 +138,7 @@ def find_mismatch(
     }  # fmt: skip
     if not best.causes:
         errors["extended"] = errors["baseline"]
-    gains = {c.name: log_evidence_gain(found.sets, best, c.name) for c in named}
+    gains = {c.name: log_evidence_gain(fitted, best, c.name) for c in named}
     ordered = sorted(named, key=lambda c: -gains[c.name])
     return MismatchResult(
         verdict=verdict_of(kernel, ordered, chosen.unexplained), posterior=found, named=ordered,

@@ -16,10 +16,6 @@ from .camera_displacement import CAMERA_SHIFT_EFFECT, TAIL_FACTOR, CameraDisplac
 
 SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
 FREQUENCY_STD_SHARE = 0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
-TRIAL_EFFECTS = (
-    TrialEffect("head_angle_offset.offset", float(SERVO_STD_RAD)),
-    TrialEffect("C_T", 2.0 * FREQUENCY_STD_SHARE, relative=True),  # thrust goes with f^2
-)
 PRIORS = Priors(cause=0.03, unlisted=0.10, likely={"tail_fin_lift": 0.5})
 """About one of 30 causes acts in a study, one study in ten has a force that is not listed, and the
 published model cannot swim straight without a fin (docs/paper.md, Audit)."""
@@ -72,8 +68,19 @@ def robot_problem(
         base=baseline.base,
         coefficients=baseline.fit.free,
         candidates=candidates_of(system, names, priors, residual_sources()),
-        noise=replace(baseline.noise, trial_effects=TRIAL_EFFECTS),
+        noise=replace(baseline.noise, trial_effects=_trial_effects(baseline)),
         tolerances=LABEL_OFFSET_STDS | (HOMOGRAPHY_SCALE_STD if by_homography else {}),
         state_variables=STATE_VARIABLES,
         progress=progress,
+    )
+
+
+def _trial_effects(baseline: JointFit) -> tuple[TrialEffect, ...]:
+    """Errors of the commanded head angle and of the thrust, which goes with the square of the
+    flapping frequency, in each trial.
+    """
+    thrust = abs(baseline.fit.by_label()["C_T"])
+    return (
+        TrialEffect("head_angle_offset.offset", float(SERVO_STD_RAD)),
+        TrialEffect("C_T", 2.0 * FREQUENCY_STD_SHARE * thrust),
     )

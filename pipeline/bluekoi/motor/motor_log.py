@@ -147,6 +147,9 @@ def _check_angles(path: str | Path, angle_deg: Float) -> None:
     if 5.0 < high - low < 6.4 and turns_over > 0:
         remedy = "These look like radians: multiply the column by 180/pi."
         raise input_error(path, "angle_deg", found, "degrees from 0 to 360", remedy)
+    if 0.5 < high - low <= 1.0 and turns_over > 0:
+        remedy = "These look like turns: multiply the column by 360."
+        raise input_error(path, "angle_deg", found, "degrees from 0 to 360", remedy)
     if high - low > MAX_TURN_DEG and turns_over > 0:
         remedy = "These look like a sensor's counts: multiply the column by 360 / counts a turn."
         raise input_error(path, "angle_deg", found + ", and then from the start",

@@ -1,0 +1,143 @@
+"""Errors that are constant in a trial and differ between trials, integrated out.
+
+The predictions are linearised about the most probable effects of each trial, not about 0: only
+there does the slope of the marginal likelihood follow from the slopes of the predictions
+(Lindstrom and Bates, Biometrics 46 (1990), 673).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Float
+from ..integrate import CompiledSystem
+from .filtering import FilterResults
+from .predictions import (
+    ParameterChange,
+    PredictedBlocks,
+    difference_step,
+    predicted_blocks,
+    products_of_blocks,
+    slots_by_name,
+    whitened_products,
+)
+from .series import Free, Noise
+
+ROUNDS = 2
+"""Newton steps to the most probable effects: they are small, and the predictions nearly linear."""
+
+
+@dataclass(frozen=True)
+class ProbableEffects:
+    """Most probable trial effects at a point: values (t, q), slopes (t, q, p) by its numbers."""
+
+    values: Float
+    slopes: Float
+
+
+NO_EFFECTS = ProbableEffects(np.zeros((1, 0)), np.zeros((1, 0, 1)))
+"""Of a model without such effects."""
+
+
+def marginal_products_at_effects(
+    kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float],
+    changes: Sequence[ParameterChange], *, noise: Noise, effects: Float | None = None,
+    near: PredictedBlocks | None = None,
+) -> tuple[Float, Float, ProbableEffects, PredictedBlocks]:  # fmt: skip
+    """`marginal_products` at full parameter vectors, one a trial, linearised about `effects` (t, q)
+    or, without, the most probable ones there; and the predictions themselves.
+
+    near: as in `predicted_blocks`.
+    """
+    stds = _effect_stds(points, noise)
+    if effects is None:
+        effects = _most_probable_effects(kernel, passes, points, noise)
+    more = [*changes, *trial_effect_changes(kernel, points, noise)]
+    at = _with_effects(kernel, points, effects, noise)
+    blocks = predicted_blocks(kernel, passes, at, more, noise, near=near)
+    products = products_of_blocks(passes, blocks)
+    return *marginal_products(_about_no_effect(products, effects), stds), blocks
+
+
+def _most_probable_effects(
+    kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float], noise: Noise
+) -> Float:
+    """Most probable trial effects (t, q), by Newton steps from 0."""
+    found: Float = np.zeros((len(points), len(noise.trial_effects)))
+    if not noise.trial_effects:
+        return found
+    stds = _effect_stds(points, noise)
+    changes = trial_effect_changes(kernel, points, noise)
+    for _ in range(ROUNDS):
+        at = _with_effects(kernel, points, found, noise)
+        products = whitened_products(kernel, passes, at, changes, noise)
+        found = marginal_products(_about_no_effect(products, found), stds)[2].values
+    return found
+
+
+def _effect_stds(points: Sequence[Float], noise: Noise) -> Float:
+    """Standard deviations (t, q) of the effects."""
+    return np.tile([e.std for e in noise.trial_effects], (len(points), 1))
+
+
+def _with_effects(
+    kernel: CompiledSystem, points: Sequence[Float], effects: Float, noise: Noise
+) -> list[Float]:
+    slots = [slots_by_name(kernel)[e.parameter] for e in noise.trial_effects]
+    out = np.array(points)
+    out[:, slots] += effects
+    return list(out)
+
+
+def _about_no_effect(products: Float, effects: Float) -> Float:
+    """Products (t, n, n) whose errors e, found at effects b, are those without: e + Z b."""
+    q = effects.shape[1]
+    if q == 0:
+        return products
+    out = products.copy()
+    out[:, 0] += np.einsum("tq,tqn->tn", effects, products[:, -q:])
+    out[:, :, 0] += np.einsum("tq,tnq->tn", effects, out[:, :, -q:])
+    return out
+
+
+def trial_effect_changes(
+    kernel: CompiledSystem, points: Sequence[Float], noise: Noise
+) -> list[ParameterChange]:
+    """Differences in the parameters that vary from trial to trial."""
+    every, slots = np.ones(len(points), dtype=bool), slots_by_name(kernel)
+    out = []
+    for effect in noise.trial_effects:
+        slot = slots[effect.parameter]
+        free = Free(effect.parameter)
+        out.append(
+            ParameterChange(
+                difference_step(kernel, free, float(points[0][slot])), every, {slot: 1.0}
+            )
+        )
+    return out
+
+
+def marginal_products(products: Float, stds: Float) -> tuple[Float, Float, ProbableEffects]:
+    """Products (t, n, n) of columns of which the last q have normal coefficients, integrated out.
+
+    With the errors e, columns J and random columns Z of covariance D = diag(stds^2), a trial's
+    marginal likelihood has the products P - P_z (P_zz + D^-1)^-1 P_z' and the constant
+    -1/2 log|I + D P_zz| (t,); the most probable coefficients are (P_zz + D^-1)^-1 Z'(e - J d).
+    (Laird and Ware, Biometrics 38 (1982), 963)
+    """
+    q = stds.shape[1]
+    kept = products.shape[1] - q
+    if q == 0:
+        none = ProbableEffects(np.zeros((len(products), 0)), np.zeros((len(products), 0, kept - 1)))
+        return products, np.zeros(len(products)), none
+    scaled = products[:, :, kept:] * stds[:, None, :]  # P_z D^1/2
+    inner = np.eye(q) + scaled[:, kept:] * stds[:, :, None]
+    solved = np.linalg.solve(inner, np.swapaxes(scaled[:, :kept], 1, 2))
+    with np.errstate(invalid="ignore"):  # of a trial in which the model runs away
+        constant = -0.5 * np.linalg.slogdet(inner)[1]
+    probable = stds[:, :, None] * solved
+    effects = ProbableEffects(probable[:, :, 0], -probable[:, :, 1:])
+    return products[:, :kept, :kept] - scaled[:, :kept] @ solved, constant, effects

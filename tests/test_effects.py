@@ -367,7 +367,8 @@ def test_a_core_is_not_wound_by_the_first_step(step: float) -> None:
     effect = plates().effect("servo_lag")
     n = next(p.lower for p in effect.parameters if p.symbol == "n")
     t = np.arange(0.0, 6.0, 0.5 * step)
-    rate = np.array([effect.hooks["swing"](one, 0.5, 1.0, 0.2, n, 0.5, 1.0, 0.0)[0] for one in t])
+    turn_rate = effect.hooks["core_turn_rate"]
+    rate = np.array([turn_rate(one, 0.5, 1.0, 0.2, n, 0.5, 1.0, 0.0)[0] for one in t])
     turned = step / 6 * (rate[:-2:2] + 4 * rate[1:-1:2] + rate[2::2]).sum()
     assert turned == pytest.approx(0.5, abs=0.01)
 
@@ -379,9 +380,9 @@ def test_a_core_that_takes_the_turning_goes_with_the_head_angle() -> None:
         given = (0.8, 0.3, n, q)
         missing = servo["drive"](0.0, 0.5, *given, 0.2)[0]
         assert missing == pytest.approx(-0.8 * 0.5, rel=1e-3)
-        rate = np.array([servo["swing"](one, 0.5, *given, 0.7, 0.2)[0] for one in t])
+        rate = np.array([servo["core_turn_rate"](one, 0.5, *given, 0.7, 0.2)[0] for one in t])
         assert np.trapezoid(rate, t) == pytest.approx(-0.7 * missing, rel=2e-3)
-        assert servo["swing"](0.1, 0.5, *given, 0.0, 0.0) == (0.0,)
+        assert servo["core_turn_rate"](0.1, 0.5, *given, 0.0, 0.0) == (0.0,)
 
 
 def test_a_servo_does_not_move_in_its_dead_time() -> None:

@@ -2,7 +2,7 @@
 
 By itself it shows tracebacks when it is interrupted while it plans or closes an event loop, from
 its log, from its threads and from objects that it deletes. Here all of them are off from the moment
-of the interruption: they only report how Snakemake stops.
+of the interrupt_handler: they only report how Snakemake stops.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ PR_SET_PDEATHSIG = 1
 """Linux: the signal that a process gets when its parent ends (prctl(2))."""
 
 
-class Interruption:
+class InterruptHandler:
     """Handler of Ctrl-C: turns off all that Snakemake says, then raises KeyboardInterrupt.
 
     taken: whether there was one.
@@ -70,7 +70,7 @@ def main() -> None:
     Raises SystemExit as Snakemake does, with 130 where it was interrupted before all was done.
     """
     end_with_parent()
-    interruption = Interruption()
+    interrupt_handler = InterruptHandler()
     logging.getLogger("snakemake.logging").addFilter(_is_not_profile_notice)
     sys.modules.setdefault("pandas", None)  # type: ignore[arg-type]
     try:
@@ -81,9 +81,9 @@ def main() -> None:
         finally:  # all is done: a late Ctrl-C finds nothing to stop
             signal.signal(signal.SIGINT, signal.SIG_IGN)
     except BaseException as end:
-        if not interruption.taken or (isinstance(end, SystemExit) and end.code in (None, 0)):
+        if not interrupt_handler.taken or (isinstance(end, SystemExit) and end.code in (None, 0)):
             raise
-        interruption.report()
+        interrupt_handler.report()
         raise SystemExit(EXIT_INTERRUPTED) from None
 
 

@@ -53,7 +53,7 @@ def drive(
     return -head_angle * k * exponential(-power(max(t - t_d, 1e-9) / T, n)), 0.0
 
 
-def swing(
+def core_turn_rate(
     t: float, head_angle: float, k: float, tau: float, n: float, q: float, c: float, t_d: float
 ) -> tuple[float]:
     """Rate at which the core turns (rad/s): c times that of the head angle."""

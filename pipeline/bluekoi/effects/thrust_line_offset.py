@@ -8,9 +8,9 @@ The reason is that a turned head moves its mass, and with it the centre of mass,
 8 of the paper, T acts at the centre of mass. d is the distance between the line of thrust and the
 centre of mass at a head angle of 90 degrees. The moment vanishes with a straight head.
 
-For a hinge, the distance is proportional to sin(phi) (w = 0). The part w is proportional to phi, as
-for a body that bends along an arc. w < 0 describes a tail jet that is deflected by the turned head
-(sin 2 phi, up to 45 degrees).
+The distance at the head angle phi is d (sin(phi) + w (phi - sin(phi))). With w = 0, the robot bends
+at a hinge; with w = 1, the distance is proportional to phi, as for a body that bends along an arc.
+With w < 0, the distance grows more slowly than sin(phi) at large angles.
 
 Source: rigid-body statics.
 """

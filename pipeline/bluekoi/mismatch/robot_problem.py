@@ -10,7 +10,7 @@ import numpy as np
 from ..engine import Priors, Problem, candidates_of
 from ..fitting import Series, TrialEffect
 from ..integrate import CompiledSystem
-from ..model import STATE_VARIABLES, residual_sources
+from ..model import STATE_VARIABLES, residual_channels_and_variables
 from ..tuning import JointFit
 from .camera_displacement import CAMERA_SHIFT_EFFECT, TAIL_FACTOR, CameraDisplacement
 
@@ -67,7 +67,7 @@ def robot_problem(
         series=tuple(series),
         base=baseline.base,
         coefficients=baseline.fit.free,
-        candidates=candidates_of(system, names, priors, residual_sources()),
+        candidates=candidates_of(system, names, priors, residual_channels_and_variables()),
         noise=replace(baseline.noise, trial_effects=_trial_effects(baseline)),
         tolerances=LABEL_OFFSET_STDS | (HOMOGRAPHY_SCALE_STD if by_homography else {}),
         state_variables=STATE_VARIABLES,

@@ -5,5 +5,5 @@ from .plates import COEFFICIENTS, effect_names, is_residual, plates
 from .published import FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING
 from .residual import STATE_VARIABLES
 from .residual import channels as residual_channels
-from .residual import sources as residual_sources
+from .residual import channels_and_variables as residual_channels_and_variables
 from .simulation import Simulation, constants, simulate, simulate_at, steady_turn

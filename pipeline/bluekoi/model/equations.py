@@ -4,8 +4,8 @@ Symbols are the paper's (docs/conventions.md). The state is kept in the frame of
 direction is psi = theta + phi: x, y (centre of mass, pool frame, m), psi (rad), u, v (velocity of
 the centre of mass along and across the core, to the left, m/s), r (yaw rate, rad/s). With the head
 angle phi constant this is Eq. 8 exactly. While the head is being turned the core keeps its
-direction and the head swings, or the core swings by itself (`swing`), as Eq. 8 has it, whose
-state is the direction of the head.
+direction and the head turns, or the core turns by itself (`core_turn_rate`), as Eq. 8 has it,
+whose state is the direction of the head.
 
 With (u_h, v_h) the velocity relative to the water along and across the head plate,
 alpha = -atan2(v_h, u_h) and V^2 = u_h^2 + v_h^2:
@@ -96,21 +96,21 @@ def mobility(mx: float, my: float, J: float) -> tuple[float, float, float]:
     return 1.0 / mx, 1.0 / my, 1.0 / J
 
 
-def swing() -> tuple[float]:
+def core_turn_rate() -> tuple[float]:
     """Rate at which the core turns beside the body's yaw rate, while the head is being turned."""
     return (0.0,)
 
 
 def rates(
-    u: float, v: float, r: float, swing: float, cpsi: float, spsi: float, X: float, Y: float, N:
-    float, mx: float, my: float, bx: float, by: float, bJ: float,
+    u: float, v: float, r: float, core_turn_rate: float, cpsi: float, spsi: float, X: float, Y:
+    float, N: float, mx: float, my: float, bx: float, by: float, bJ: float,
 ) -> tuple[float, float, float, float, float, float]:  # fmt: skip
     """Derivatives of x, y, psi, u, v, r: Newton and Euler in the frame of the core (Eq. 8).
 
     mx u' = X + my v w;  my v' = Y - mx u w;  J r' = N - (my - mx) u v;  b is 1/m and 1/J, and
-    w = psi' = r + swing
+    w = psi' = r + core_turn_rate
     """
-    w = r + swing
+    w = r + core_turn_rate
     return (
         u * cpsi - v * spsi,
         u * spsi + v * cpsi,

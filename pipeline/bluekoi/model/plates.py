@@ -31,7 +31,7 @@ DYNAMICS = (
     Stage("force", ("X", "Y", "N"), equations.force, open=True),
     Stage("inertia", ("mx", "my", "J"), equations.inertia, open=True),
     Stage("mobility", ("bx", "by", "bJ"), equations.mobility),
-    Stage("swing", ("swing",), equations.swing, open=True),
+    Stage("core_turn_rate", ("core_turn_rate",), equations.core_turn_rate, open=True),
     Stage("rates", ("x", "y", "psi", "u", "v", "r"), equations.rates),
 )
 """Equations of motion, in order."""

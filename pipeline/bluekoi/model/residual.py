@@ -82,7 +82,7 @@ PARAMETERS = tuple(
 STRENGTHS = len(PARAMETERS)
 
 
-def sources() -> dict[str, frozenset[tuple[str, str]]]:
+def channels_and_variables() -> dict[str, frozenset[tuple[str, str]]]:
     """Term, as `residual.term` -> pairs of channel and variable of its force."""
     return {f"residual.{name}": frozenset((c, variable) for c in channels(name))
             for name, (_, variable) in TERMS.items()}  # fmt: skip

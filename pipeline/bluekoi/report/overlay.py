@@ -21,8 +21,8 @@ from .overlay_frame import (
     BEFORE_BGR,
     MEASURED_BGR,
     STRIP_HEIGHT_PX,
+    BgrImage,
     Line,
-    Picture,
     Scene,
     annotated_frame,
     empty_pool,
@@ -88,10 +88,10 @@ def overlay_size(size_px: tuple[int, int]) -> tuple[int, int]:
 
 def _frames_at_steady_rate(
     scene: Scene, source: Iterable[Frame | float], size: tuple[int, int], fps: float
-) -> Iterator[Picture]:
+) -> Iterator[BgrImage]:
     """Pictures at a steady rate; one that is missing is that before it."""
     count, first = 0, np.nan
-    picture: Picture | None = None
+    picture: BgrImage | None = None
     for one in source:
         time_s = one.time_s if isinstance(one, Frame) else float(one)
         first = time_s if count == 0 else first
@@ -155,7 +155,7 @@ def _trial_label(trial: Trial) -> str:
     )
 
 
-def _scene_background(one: Frame | float, scene: Scene, size: tuple[int, int]) -> Picture:
+def _scene_background(one: Frame | float, scene: Scene, size: tuple[int, int]) -> BgrImage:
     if not isinstance(one, Frame):
         return scene.background.copy()
     whole = one.bgr if one.bgr is not None else cv2.cvtColor(one.luma, cv2.COLOR_GRAY2BGR)

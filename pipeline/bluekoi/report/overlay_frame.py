@@ -12,7 +12,7 @@ import numpy.typing as npt
 from ..camera.pool_projection import PoolCamera, pool_to_pixels
 from ..data import Float, Keypoints, is_confident
 
-Picture = npt.NDArray[np.uint8]
+BgrImage = npt.NDArray[np.uint8]
 Colour = tuple[int, int, int]
 
 STRIP_HEIGHT_PX = 40
@@ -48,10 +48,10 @@ class Scene:
     size_px: tuple[int, int]
     lines: tuple[Line, ...]
     keypoints: Keypoints | None = None
-    background: Picture = field(default_factory=lambda: np.zeros((0, 0, 3), np.uint8))
+    background: BgrImage = field(default_factory=lambda: np.zeros((0, 0, 3), np.uint8))
 
 
-def annotated_frame(picture: Picture, scene: Scene, time_s: float, scale: float) -> Picture:
+def annotated_frame(picture: BgrImage, scene: Scene, time_s: float, scale: float) -> BgrImage:
     """The frame with paths up to `time_s`, the keypoints at that time, and a legend."""
     canvas = np.ascontiguousarray(picture)
     for line in scene.lines:
@@ -61,7 +61,7 @@ def annotated_frame(picture: Picture, scene: Scene, time_s: float, scale: float)
     return np.vstack([_strip(scene, time_s, canvas.shape[1]), canvas])
 
 
-def empty_pool(camera: PoolCamera, width_px: int) -> Picture:
+def empty_pool(camera: PoolCamera, width_px: int) -> BgrImage:
     """The empty pool in the camera's view: walls, and a 0.5 m grid on the water surface."""
     scale = width_px / camera.size_px[0]
     height = 2 * round(scale * camera.size_px[1] / 2)
@@ -80,7 +80,7 @@ def empty_pool(camera: PoolCamera, width_px: int) -> Picture:
     return canvas
 
 
-def _draw_line(canvas: Picture, line: Line, time_s: float, scale: float) -> None:
+def _draw_line(canvas: BgrImage, line: Line, time_s: float, scale: float) -> None:
     shown = (line.time_s <= time_s + 1e-6) & np.isfinite(line.xy_px).all(axis=1)
     path = scale * line.xy_px[shown]
     if len(path) == 0:
@@ -95,7 +95,7 @@ def _draw_line(canvas: Picture, line: Line, time_s: float, scale: float) -> None
     cv2.circle(canvas, end, 3 << FRACTIONAL_BITS, line.colour, -1, cv2.LINE_AA, FRACTIONAL_BITS)
 
 
-def _draw_points(canvas: Picture, found: Keypoints, time_s: float, scale: float) -> None:
+def _draw_points(canvas: BgrImage, found: Keypoints, time_s: float, scale: float) -> None:
     i = int(np.argmin(np.abs(found.time_s - time_s)))
     if abs(found.time_s[i] - time_s) > MAX_OFFSET_S:
         return
@@ -127,7 +127,7 @@ def _dashes(path: Float, length_px: float = 9.0) -> list[Float]:
     return out
 
 
-def _polyline(canvas: Picture, path: Float, colour: Colour, width: int) -> None:
+def _polyline(canvas: BgrImage, path: Float, colour: Colour, width: int) -> None:
     cv2.polylines(canvas, [_fixed_point(path)], False, colour, width, cv2.LINE_AA, FRACTIONAL_BITS)
 
 
@@ -136,7 +136,7 @@ def _fixed_point(points: Float) -> npt.NDArray[np.int32]:
     return np.round(np.clip(points, -1e5, 1e5) * (1 << FRACTIONAL_BITS)).astype(np.int32)
 
 
-def _strip(scene: Scene, time_s: float, width: int) -> Picture:
+def _strip(scene: Scene, time_s: float, width: int) -> BgrImage:
     """Label, time and legend, (STRIP_HEIGHT_PX, width, 3)."""
     strip = np.full((STRIP_HEIGHT_PX, width, 3), STRIP_BGR, np.uint8)
     _write_text(strip, f"{scene.label}   t = {time_s:.2f} s", (8, 15), MEASURED_BGR)
@@ -152,7 +152,7 @@ def _strip(scene: Scene, time_s: float, width: int) -> Picture:
     return strip
 
 
-def _write_text(strip: Picture, text: str, at: tuple[int, int], colour: Colour) -> None:
+def _write_text(strip: BgrImage, text: str, at: tuple[int, int], colour: Colour) -> None:
     cv2.putText(strip, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.42, colour, 1, cv2.LINE_AA)
 
 

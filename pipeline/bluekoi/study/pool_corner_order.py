@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 Corner = tuple[float, float]
-EXPECTED_CORNERS = (
+CORNER_ORDER_TEXT = (
     "the images of pool (0,0), (length,0), (length,width), (0,width) "
     "in this order, seen from above (counter-clockwise in the pool, image v downwards)"
 )
@@ -22,8 +22,8 @@ def corner_problems(corners: tuple[Corner, ...]) -> list[str]:
     if all(turn < 0 for turn in turns):
         return []
     if all(turn > 0 for turn in turns):
-        return [f"{EXPECTED_CORNERS}; {CLOCKWISE_CORNERS}"]
-    return [EXPECTED_CORNERS + "; these cross over or lie on a line"]
+        return [f"{CORNER_ORDER_TEXT}; {CLOCKWISE_CORNERS}"]
+    return [CORNER_ORDER_TEXT + "; these cross over or lie on a line"]
 
 
 def _edge_cross_product(a: Corner, b: Corner, c: Corner) -> float:

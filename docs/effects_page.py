@@ -29,7 +29,8 @@ are the velocity along and across the core (the rigid body behind the head), `V`
 yaw rate, `rho` the density of the water, `A` the area of the head plate, `T` the thrust, `f` the
 flapping frequency, `phi` the head angle, `alpha` the angle of attack of the head plate, and `X`,
 `Y`, `N` are forces in surge and sway and the yaw moment. In moments of the head, `q` is
-the force 1/2 rho A V^2, the dynamic pressure times the area `A`. The coefficients `C_...` are those of the paper ([The model](paper.md)).
+the force 1/2 rho A V^2, the dynamic pressure times the area `A`.
+The coefficients `C_...` are those of the paper ([The model](paper.md)).
 
 In the tables, "start" is the value from which a fit starts, and "from" and "to" are the bounds of a
 parameter. Many formulas contain "the part w" or a similar share: 0 gives the simple form of the

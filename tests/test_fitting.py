@@ -26,13 +26,6 @@ from bluekoi.fitting import (
 from bluekoi.fitting.bounded_step import bounded_step
 from bluekoi.fitting.gram import set_whitened_products
 from bluekoi.fitting.linear import linearised, log_likelihood, log_likelihood_gradient
-from bluekoi.fitting.predictions import (
-    CHANGES_PER_BLOCK,
-    ParameterChange,
-    predicted_blocks,
-    products_of_blocks,
-    whitened_products,
-)
 from bluekoi.integrate import compiled
 from mass_model import SYSTEM
 
@@ -208,30 +201,6 @@ def test_the_slope_of_the_likelihood_holds_where_trials_differ_widely() -> None:
     found = at(0.5)
     assert np.abs(found.effects.values).max() > 0.02
     assert found.gradient[:, 0] == pytest.approx(difference / 0.002, rel=0.02, abs=0.02)
-
-
-def test_steady_columns_are_taken_over_from_a_point_near_by() -> None:
-    rng = np.random.default_rng(7)
-    noise = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
-    kernel, slot = compiled(SYSTEM), SYSTEM.slot["c"]
-    trials = [replace(make_series(_randomly_pushed(rng, 60, noise)), name=str(k)) for k in range(2)]
-    changes = [ParameterChange(1e-4, np.ones(2, dtype=bool), {slot: 1.0}, steady=k < 3)
-               for k in range(CHANGES_PER_BLOCK + 3)]  # fmt: skip
-
-    def points(c: float) -> list[np.ndarray]:
-        return [SYSTEM.values({"c": c})] * 2
-
-    held = filter_all(kernel, trials, points(0.5), noise)
-    near = predicted_blocks(kernel, held, points(0.5), changes, noise)
-    again = predicted_blocks(kernel, held, points(0.5), changes, noise, near=near)
-    assert np.array_equal(products_of_blocks(held, again), products_of_blocks(held, near))
-    moved = predicted_blocks(kernel, held, points(0.6), changes, noise, near=near)
-    mixed = products_of_blocks(held, moved)
-    here, there = (whitened_products(kernel, held, points(c), changes, noise) for c in (0.6, 0.5))
-    assert mixed[:, 0, 0] == pytest.approx(here[:, 0, 0])
-    assert mixed[:, 4:, 4:] == pytest.approx(here[:, 4:, 4:])
-    assert mixed[:, 1:4, 1:4] == pytest.approx(there[:, 1:4, 1:4])
-    assert here[:, 1, 1] != pytest.approx(there[:, 1, 1], rel=0.01)
 
 
 @pytest.mark.parametrize("radius", [np.inf, 0.3])

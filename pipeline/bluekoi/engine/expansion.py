@@ -110,7 +110,7 @@ def _trial_products(
     for itself integrated out; side measurements and priors of the set's own numbers included.
     """
     kernel = problem.kernel
-    products, constant, *_ = marginal_products_at_effects(
+    products, constant, _ = marginal_products_at_effects(
         kernel, model.passes, points, changes, noise=model.noise,
         effects=model.effects(problem),
     )  # fmt: skip

@@ -14,7 +14,7 @@ from ..data import Float
 from ..integrate import CompiledSystem
 from .bounded_step import bounded_step
 from .filtering import FilterResults
-from .normal import Normal, normal_equations_and_predictions
+from .normal import Normal, normal_equations
 from .predictions import slots_by_name
 from .series import Free, Noise, Series
 
@@ -81,10 +81,8 @@ def fit(
     given = start or {}
     x = np.array([given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free])
     x = np.clip(x, lower, upper)
-    normal, predictions = normal_equations_and_predictions(
-        kernel, series, base, free, x, noise=noise, predictor=predictor, spreads=spreads,
-        effects=effects,
-    )  # fmt: skip
+    normal = normal_equations(kernel, series, base, free, x, noise=noise, predictor=predictor,
+                              spreads=spreads, effects=effects)  # fmt: skip
     radius, outcome, count = np.inf, STALLED, 0
     while normal.usable and count < iterations:
         count += 1
@@ -98,10 +96,9 @@ def fit(
             outcome = CONVERGED
             break
         trial = np.clip(x + step, lower, upper)
-        candidate, _ = normal_equations_and_predictions(
-            kernel, series, base, free, trial, noise=noise, predictor=predictor, spreads=spreads,
-            effects=_effects_after_step(normal, step), near=predictions,
-        )  # fmt: skip
+        candidate = normal_equations(kernel, series, base, free, trial, noise=noise,
+                                     predictor=predictor, spreads=spreads,
+                                     effects=_effects_after_step(normal, step))  # fmt: skip
         gain = float(candidate.log_likelihood.sum() - normal.log_likelihood.sum())
         slope = float(g @ step)
         share = gain / (slope - 0.5 * float(step @ H @ step))

@@ -15,13 +15,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import CompiledSystem
 from .filtering import FilterResults, filter_all
-from .predictions import (
-    ParameterChange,
-    PredictedBlocks,
-    difference_step,
-    slots_by_name,
-    whitened_products,
-)
+from .predictions import ParameterChange, difference_step, slots_by_name, whitened_products
 from .series import Free, Noise, Series
 from .side_measurements import side_measurement_terms
 from .trial_effects import NO_EFFECTS, ProbableEffects, marginal_products_at_effects
@@ -59,6 +53,7 @@ def trial_values(
     return out
 
 
+@np.errstate(over="ignore", invalid="ignore")  # `Normal.usable` is False for a model that diverges
 def normal_equations(
     kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free],
     values: Float, *, noise: Noise, predictor: FilterResults | None = None,
@@ -72,45 +67,25 @@ def normal_equations(
     predictor: gains of a filter at another point over the same series, held in place of a new
     pass; many candidates are then compared as predictors of one form, at a fraction of the cost.
     """
-    return normal_equations_and_predictions(
-        kernel, series, base, free, values, noise=noise, predictor=predictor, spreads=spreads,
-        effects=effects,
-    )[0]  # fmt: skip
-
-
-@np.errstate(over="ignore", invalid="ignore")  # `Normal.usable` is False for a model that diverges
-def normal_equations_and_predictions(
-    kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free],
-    values: Float, *, noise: Noise, predictor: FilterResults | None = None,
-    spreads: Mapping[str, float] | None = None, effects: Float | None = None,
-    near: PredictedBlocks | None = None,
-) -> tuple[Normal, PredictedBlocks]:  # fmt: skip
-    """`normal_equations` and the predictions that they are made of.
-
-    near: predictions at a point near by, from which the columns of the numbers in `spreads` are
-    taken: they are forces that hardly change the motion on which they depend.
-    """
     points = [trial_values(kernel, base, free, values, s.group) for s in series]
     passes = predictor or filter_all(kernel, series, points, noise)
     slots = slots_by_name(kernel)
     groups = [s.group for s in series]
     own = [np.array([f.group in {None, g} for g in groups]) for f in free]
-    changes = [ParameterChange(difference_step(kernel, f, value), trials, {slots[f.name]: 1.0},
-                               steady=f.label in (spreads or {}))
+    changes = [ParameterChange(difference_step(kernel, f, value), trials, {slots[f.name]: 1.0})
                for f, value, trials in zip(free, values, own, strict=True)]  # fmt: skip
-    products, constant, found, blocks = marginal_products_at_effects(
-        kernel, passes, points, changes, noise=noise, effects=effects, near=near
+    products, constant, found = marginal_products_at_effects(
+        kernel, passes, points, changes, noise=noise, effects=effects
     )
     information, score, side = side_measurement_terms(kernel, series, free, points)
     known = prior_terms(kernel, free, values, len(series), spreads)
-    normal = Normal(
+    return Normal(
         products[:, 1:, 1:] + information + known.hessian,
         products[:, 1:, 0] + score + known.gradient,
         passes.log_lik_const - 0.5 * products[:, 0, 0] + constant + side
         + known.log_likelihood,
         found,
     )  # fmt: skip
-    return normal, blocks
 
 
 def prior_terms(

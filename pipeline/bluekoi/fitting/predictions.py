@@ -29,32 +29,13 @@ class ParameterChange:
     """A difference in parameters: its size, the trials (t,) that have it, and the parameters.
 
     slots: place -> how much of the step goes there; offsets: place -> change that does not count
-    as part of the step (another form of a law while its strength is differenced). steady: whether
-    its column hardly depends on the point, so that one from near by serves as well.
+    as part of the step (another form of a law while its strength is differenced).
     """
 
     step: float
     trials: np.ndarray
     slots: Mapping[int, float]
     offsets: Mapping[int, float] = field(default_factory=dict)
-    steady: bool = False
-
-
-@dataclass(frozen=True)
-class PredictedBlocks:
-    """Predicted observations (blocks, frames, observations, 16) of trials and their differences.
-
-    first (t + 1,): first block of each trial. places (t, 1 + p), counts (t,): the column of each
-    lane, 0 for the errors, blocks of a trial one after the other. steps (1 + p,): sizes of the
-    differences. steady (blocks,): blocks of steady changes alone.
-    """
-
-    observed: Float
-    first: np.ndarray
-    places: np.ndarray
-    counts: np.ndarray
-    steps: Float
-    steady: np.ndarray
 
 
 def slots_by_name(kernel: CompiledSystem) -> dict[str, int]:
@@ -85,36 +66,12 @@ def whitened_products(
     e are the whitened prediction errors at a full parameter vector of its own, J_k how the whitened
     predictions go with change k, per unit; 0 where a trial does not have it.
     """
-    return products_of_blocks(passes, predicted_blocks(kernel, passes, points, changes, noise))
-
-
-def products_of_blocks(passes: FilterResults, blocks: PredictedBlocks) -> Float:
-    """`whitened_products` of predictions."""
-    n, p = len(passes), len(blocks.steps)
-    out = np.zeros((n, p, p))
-    given = (blocks.observed, passes.seen, passes.roots, passes.frames, blocks.first,
-             blocks.places, blocks.counts)  # fmt: skip
-    run_in_threads(lambda *ends: set_whitened_products(*given, ends, out), n)
-    return out / (blocks.steps[:, None] * blocks.steps)
-
-
-def predicted_blocks(
-    kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float],
-    changes: Sequence[ParameterChange], noise: Noise, *, near: PredictedBlocks | None = None,
-) -> PredictedBlocks:  # fmt: skip
-    """Predictions of each trial at a full parameter vector of its own, and with each change.
-
-    near: predictions of the same changes at a point near by, whose blocks of steady changes are
-    taken over.
-    """
     steps = np.array([1.0, *(c.step for c in changes)])
-    order = sorted(range(len(changes)), key=lambda k: changes[k].steady)
-    own = [[k for k in order if changes[k].trials[t]] for t in range(len(passes))]
+    own = [[k for k, c in enumerate(changes) if c.trials[t]] for t in range(len(passes))]
     first = np.cumsum([0, *(max(1, -(-len(ks) // CHANGES_PER_BLOCK)) for ks in own)])
     trials = np.repeat(np.arange(len(passes)), np.diff(first))
     values = np.repeat(np.array(points)[trials][:, :, None], LANES, axis=2)
     places = np.zeros((len(passes), 1 + max(len(ks) for ks in own)), dtype=np.int64)
-    steady = np.zeros(len(trials), dtype=bool)
     for t, ks in enumerate(own):
         places[t, 1 : len(ks) + 1] = np.array(ks, dtype=np.int64) + 1
         for i, k in enumerate(ks):
@@ -123,15 +80,12 @@ def predicted_blocks(
                 values[first[t] + block, slot, lane + 1] += weight * changes[k].step
             for slot, offset in changes[k].offsets.items():
                 values[first[t] + block, slot, lane + 1] += offset
-            if lane == 0:
-                steady[first[t] + block] = block > 0 and changes[k].steady
-    due = ~steady if near is not None else np.ones(len(trials), dtype=bool)
-    observed = _predicted_observations(kernel, passes, values[due], trials[due], noise)
-    if near is not None:
-        observed, fresh = near.observed.copy(), observed
-        observed[due] = fresh
+    observed = _predicted_observations(kernel, passes, values, trials, noise)
     counts = np.array([1 + len(ks) for ks in own])
-    return PredictedBlocks(observed, first, places, counts, steps, steady)
+    out = np.zeros((len(passes), len(steps), len(steps)))
+    given = (observed, passes.seen, passes.roots, passes.frames, first, places, counts)
+    run_in_threads(lambda *ends: set_whitened_products(*given, ends, out), len(passes))
+    return out / (steps[:, None] * steps)
 
 
 def _predicted_observations(

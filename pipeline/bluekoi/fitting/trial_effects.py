@@ -15,15 +15,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import CompiledSystem
 from .filtering import FilterResults
-from .predictions import (
-    ParameterChange,
-    PredictedBlocks,
-    difference_step,
-    predicted_blocks,
-    products_of_blocks,
-    slots_by_name,
-    whitened_products,
-)
+from .predictions import ParameterChange, difference_step, slots_by_name, whitened_products
 from .series import Free, Noise
 
 ROUNDS = 2
@@ -45,21 +37,17 @@ NO_EFFECTS = ProbableEffects(np.zeros((1, 0)), np.zeros((1, 0, 1)))
 def marginal_products_at_effects(
     kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float],
     changes: Sequence[ParameterChange], *, noise: Noise, effects: Float | None = None,
-    near: PredictedBlocks | None = None,
-) -> tuple[Float, Float, ProbableEffects, PredictedBlocks]:  # fmt: skip
-    """`marginal_products` at full parameter vectors, one a trial, linearised about `effects` (t, q)
-    or, without, the most probable ones there; and the predictions themselves.
-
-    near: as in `predicted_blocks`.
+) -> tuple[Float, Float, ProbableEffects]:  # fmt: skip
+    """Marginal products and constants, as `marginal_products`, at full parameter vectors, one a
+    trial, linearised about `effects` (t, q) or, without, the most probable ones there.
     """
     stds = _effect_stds(points, noise)
     if effects is None:
         effects = _most_probable_effects(kernel, passes, points, noise)
     more = [*changes, *trial_effect_changes(kernel, points, noise)]
     at = _with_effects(kernel, points, effects, noise)
-    blocks = predicted_blocks(kernel, passes, at, more, noise, near=near)
-    products = products_of_blocks(passes, blocks)
-    return *marginal_products(_about_no_effect(products, effects), stds), blocks
+    products = whitened_products(kernel, passes, at, more, noise)
+    return marginal_products(_about_no_effect(products, effects), stds)
 
 
 def _most_probable_effects(

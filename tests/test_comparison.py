@@ -129,6 +129,16 @@ def test_commands_on_results_name_what_has_changed_in_the_study(tmp_path):
     assert "The study has changed and cannot be read: " in said.stderr
 
 
+def test_files_that_kept_size_and_date_are_not_read_again(tmp_path, monkeypatch):
+    """A study of videos would take minutes to hash at each `bluekoi report`."""
+    study, results = small_study(tmp_path / "study"), tmp_path / "results"
+    write_manifest(study, results)
+    read: list[Path] = []
+    monkeypatch.setattr("bluekoi.stages.manifest.sha256", read.append)
+    assert changes_since_run(load_study(study), results) == []
+    assert read == []
+
+
 def test_a_trial_that_was_added_or_removed_is_a_change(tmp_path):
     study, results = small_study(tmp_path / "study"), tmp_path / "results"
     write_manifest(study, results)

@@ -198,8 +198,8 @@ def _failed_trial_lines(results: Path, study: str) -> list[str]:
 
 
 def _trial_warnings(results: Path, study: str) -> list[str]:
-    """What to check in the trials of a run that ended before its last stage and was not told yet;
-    nothing of the demo.
+    """Warnings on the trials of a run that ended before its last stage, which prints them; none on
+    the demo.
     """
     from ..files import read_json  # noqa: PLC0415
     from ..stages.layout import Layout  # noqa: PLC0415

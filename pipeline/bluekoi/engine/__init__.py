@@ -5,10 +5,10 @@ problem     a system, its trials, its candidates
 refit       nonlinear fits of a set of causes, with all its functional forms
 own_noise   fits of a set under its own noise
 expansion   second-order expansion of the likelihood in the numbers of all candidates
-columns     numbers of a set in an expansion, and their priors
+set_columns numbers of a set in an expansion, and their priors
 forces      forces of a set's causes and of residual terms along the trials
 evidence    marginal likelihood of a set of causes
-scored      log posterior of a fitted set, its discrepancy integrated out
+set_score   log posterior of a fitted set, its discrepancy integrated out
 search      which sets are worth a fit
 posterior   probabilities of sets and causes, averaged over samples of trials
 naming      what is named, and what may act in its place

@@ -22,7 +22,8 @@ from .candidates import Candidate, parameter_of
 from .problem import Problem
 
 STEP_TOLERANCE_STDS = 0.2
-"""A fit ends with a step of this many standard deviations in the mean square."""
+"""A fit ends with a step of this many standard deviations in the mean square. The step is taken; by
+the quadratic model it gains at most 0.02 of log likelihood for each number."""
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import propagate, run_in_threads
+from .bounded_step import bounded_step
 from .gram import set_products
 from .joint_fit import CONVERGED, STALLED, Fit
 from .normal import Normal
@@ -113,8 +114,9 @@ def _minimise_from(
     at = replace(at, blocks=_block_normal(problem, at.x, at.starts), outcome=STALLED, count=0)
     while np.isfinite(at.blocks.cost).all() and at.count < iterations and at.damping < 1e8:
         normal, to_start = _eliminate_starts(at.blocks, at.damping)
-        step = _damped_step(normal, at.damping, at.x, *limits)
-        x = np.clip(at.x + step, *limits)
+        H, g = normal.hessian.sum(axis=0), normal.gradient.sum(axis=0)
+        damped = H + at.damping * np.diag(np.diag(H))
+        x = np.clip(at.x + bounded_step(damped, g, *(limits - at.x)), *limits)
         starts = at.starts.copy()
         shift = to_start[0] @ (x - at.x) + to_start[1]
         starts[:, : problem.open_states] += shift
@@ -126,20 +128,6 @@ def _minimise_from(
         else:
             at = replace(at, damping=at.damping * 10.0, count=at.count + 1)
     return at
-
-
-def _damped_step(normal: Normal, damping: float, x: Float, lower: Float, upper: Float) -> Float:
-    """(H + damping diag H)^-1 g over the numbers that are not held at a bound by g."""
-    H, g = normal.hessian.sum(axis=0), normal.gradient.sum(axis=0)
-    held = ((x <= lower) & (g < 0)) | ((x >= upper) & (g > 0))
-    move = ~held & (np.diag(H) > 0)
-    step = np.zeros(len(x))
-    if move.any():
-        A = H[np.ix_(move, move)]
-        scale = 1.0 / np.sqrt(np.diag(A))
-        scaled = A * np.outer(scale, scale) + damping * np.eye(len(A))
-        step[move] = scale * np.linalg.lstsq(scaled, scale * g[move], rcond=1e-12)[0]
-    return step
 
 
 def _is_small(blocks: _BlockNormal, change: Float, shift: Float, tolerance: float) -> bool:

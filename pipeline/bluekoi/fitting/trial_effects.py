@@ -18,7 +18,7 @@ from .filtering import FilterResults
 from .predictions import ParameterChange, difference_step, slots_by_name, whitened_products
 from .series import Free, Noise
 
-ROUNDS = 2
+NEWTON_STEPS = 2
 """Newton steps to the most probable effects: they are small, and the predictions nearly linear."""
 
 
@@ -59,7 +59,7 @@ def _most_probable_effects(
         return found
     stds = _effect_stds(points, noise)
     changes = trial_effect_changes(kernel, points, noise)
-    for _ in range(ROUNDS):
+    for _ in range(NEWTON_STEPS):
         at = _with_effects(kernel, points, found, noise)
         products = whitened_products(kernel, passes, at, changes, noise)
         found = marginal_products(_about_no_effect(products, found), stds)[2].values

@@ -35,6 +35,8 @@ def write_manifest(study: Path, results: Path) -> list[str]:
     """
     loaded, run = load_study(study), json.loads(os.environ.get(RUN_VARIABLE, "{}"))
     changed = _changed_since_start(loaded, results)
+    hashed = _hashed_files(loaded, results)
+    write_json(_hash_cache(results), hashed)
     content = {
         "command": run.get("command", ""),
         "settings": run.get("settings", {}),
@@ -42,7 +44,7 @@ def write_manifest(study: Path, results: Path) -> list[str]:
         "versions": versions(),
         "study": loaded.setup.model_dump(mode="json"),
         "trials": {trial.trial_id: trial_row(trial) for trial in loaded.trials},
-        "inputs": _input_hashes(loaded, results / "logs" / "hashes.cache"),
+        "inputs": _without_stamps(hashed),
         "changed_during_run": changed,
     }
     write_json(results / "manifest.json", content)
@@ -88,16 +90,30 @@ def _changed_since_start(study: Study, results: Path) -> list[str]:
     return sorted(name for name in before if now.get(name) != before[name])
 
 
-def _input_hashes(study: Study, cache: Path) -> dict[str, dict[str, Any]]:
-    known = _read_cache(cache)
-    found: dict[str, dict[str, Any]] = {}
+def input_hashes(study: Study, results: Path) -> dict[str, dict[str, Any]]:
+    """`sha256` and `bytes` of each input file that is there, by relative path.
+
+    Hashes of files that have kept size and date since the last run are those of that run.
+    """
+    return _without_stamps(_hashed_files(study, results))
+
+
+def _hashed_files(study: Study, results: Path) -> dict[str, dict[str, Any]]:
+    known = _read_cache(_hash_cache(results))
+    found = {}
     for name, stamp in _file_states(study).items():
         last = known.get(name, {})
-        same = last.get("stamp") == stamp
-        content = last["sha256"] if same else sha256(study.root / name)
+        content = last["sha256"] if last.get("stamp") == stamp else sha256(study.root / name)
         found[name] = {"sha256": content, "stamp": stamp}
-    write_json(cache, found)
-    return {name: {"sha256": e["sha256"], "bytes": e["stamp"][0]} for name, e in found.items()}
+    return found
+
+
+def _without_stamps(hashed: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    return {name: {"sha256": e["sha256"], "bytes": e["stamp"][0]} for name, e in hashed.items()}
+
+
+def _hash_cache(results: Path) -> Path:
+    return results / "logs" / "hashes.cache"
 
 
 def _read_cache(cache: Path) -> Mapping[str, Any]:

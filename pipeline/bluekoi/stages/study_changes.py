@@ -1,4 +1,4 @@
-"""What has changed in a study since the run that its results are of."""
+"""Changes of a study since the run that made its results."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from ..files import flatten_mapping, read_json
 from ..study import Study
 from .freshness import trial_row
-from .manifest import sha256
+from .manifest import input_hashes
 
 MAX_CHANGES_NAMED = 4
 """Changes that a message lists; of more it gives the number."""
@@ -43,7 +43,7 @@ def changes_since_run(study: Study, results: Path) -> list[str]:
     return [
         *_changed_settings(before.get("study") or {}, study.setup.model_dump(mode="json")),
         *_changed_trials(before.get("trials") or {}, trials),
-        *_changed_files(before.get("inputs") or {}, study),
+        *_changed_files(before.get("inputs") or {}, input_hashes(study, results)),
     ]
 
 
@@ -65,12 +65,11 @@ def _changed_trials(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterat
     yield from (f"trial {name} was added" for name in now if name not in before)
 
 
-def _changed_files(before: Mapping[str, Any], study: Study) -> Iterator[str]:
+def _changed_files(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
     for name in (n for n in before if n not in ("study.yaml", "trials.csv")):
-        path = study.root / name
-        if not path.is_file():
-            yield f"{name} is no longer there"
-        elif path.stat().st_size != before[name]["bytes"] or sha256(path) != before[name]["sha256"]:
+        if name not in now:
+            yield f"{name} is no longer used, or no longer there"
+        elif now[name]["sha256"] != before[name]["sha256"]:
             yield f"{name} has another content"
 
 

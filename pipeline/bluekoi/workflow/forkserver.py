@@ -89,8 +89,8 @@ class Server:
         self._end()
 
     def _end(self) -> None:
-        """Kill the forks, and tell the jobs that still wait that the run is over: one that lost its
-        fork without a word would run its stage itself.
+        """Kill the forks and send the waiting jobs EXIT_RUN_ENDED, since a job without an answer
+        would run its stage itself.
         """
         for pid in (*self.running, *self.compiling):
             os.kill(pid, signal.SIGKILL)

@@ -55,22 +55,22 @@ def _draw_offset(rng: np.random.Generator, robot: Robot, form: str) -> Shape:
     return {"factors": [round(float(v), 3) for v in rng.uniform(-1, 0.6, robot.trials)]}
 
 
-def _knocks(clock: Clock, shape: Shape) -> Quantity:
-    """Direction in which the picture is moved at each frame of the trials with a knock."""
+def _displacement_direction(clock: Clock, shape: Shape) -> Quantity:
+    """Unit vector of the image displacement at each frame, 0 before the camera is displaced."""
     moved = np.zeros(np.broadcast(clock.stated, clock.trial).shape, complex)
-    for trial, at, way in shape["knocks"]:
-        moved = moved + ((clock.trial == trial) & (clock.stated >= at)) * np.exp(1j * way)
+    for trial, start_s, angle in shape["displacements"]:
+        moved = moved + ((clock.trial == trial) & (clock.stated >= start_s)) * np.exp(1j * angle)
     return moved
 
 
 def _shift(look: Look, strength: Quantity, cause: Cause) -> None:
-    """Picture moved by `strength` px: a lasting step, a turn, a drift, or several knocks.
+    """Image displaced by `strength` px: a step, a rotation, a drift, or steps in several trials.
 
     The turn moves a point 500 px from the middle by `strength`; the drift is that after 10 s.
     """
     clock, shape = look.clock, cause.shape
     if cause.form == "several":
-        look.pixels = look.pixels + strength * _knocks(clock, shape)
+        look.pixels = look.pixels + strength * _displacement_direction(clock, shape)
         return
     way, first = np.exp(1j * shape["to_rad"]), shape["trial"]
     after = (clock.trial == first) & (clock.stated >= shape["at_s"])
@@ -86,7 +86,7 @@ def _shift(look: Look, strength: Quantity, cause: Cause) -> None:
 
 
 def _draw_shift(rng: np.random.Generator, robot: Robot, form: str) -> Shape:
-    """Direction, trial (counted from 0) and time of the knock."""
+    """Direction, trial (counted from 0) and time of the camera displacement."""
     n = robot.trials
     shape: Shape = {
         "to_rad": round(rng.uniform(-np.pi, np.pi), 3),
@@ -94,7 +94,7 @@ def _draw_shift(rng: np.random.Generator, robot: Robot, form: str) -> Shape:
         "at_s": round(rng.uniform(2.0, 4.0), 2),
     }
     if form == "several":
-        shape["knocks"] = [
+        shape["displacements"] = [
             [k, round(rng.uniform(1.5, 4.5), 2), round(rng.uniform(-np.pi, np.pi), 3)]
             for k in _some_trials(rng, n, 0.3)
         ]

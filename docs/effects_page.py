@@ -7,7 +7,7 @@ Each file is one physical statement. A test checks that the page is current.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -35,6 +35,10 @@ The coefficients `C_...` are those of the paper ([The model](paper.md)).
 In the tables, "start" is the value from which a fit starts, and "from" and "to" are the bounds of a
 parameter. Many formulas contain "the part w" or a similar share: 0 gives the simple form of the
 effect, and 1 replaces it by the other form.
+
+Below a table, "Forms" lists published formulas that the effect includes, and scales such as a short
+lag. In brackets are the values of the shape parameters that give the form; shape parameters that
+are not mentioned have their start values. The finder tries each form.
 """
 
 
@@ -63,7 +67,16 @@ def _entry(name: str, module: ModuleType) -> Iterator[str]:
     for one in module.PARAMETERS:
         span = f"{one.start:g} | {one.lower:g} | {one.upper:g}"
         yield f"| `{one.name}` | {one.argument} | {one.unit} | {span} | {one.meaning} |"
+    if forms := getattr(module, "FORMS", {}):
+        symbols = {one.name: one.argument for one in module.PARAMETERS}
+        yield f"\nForms: {'; '.join(_form(n, values, symbols) for n, values in forms.items())}."
     yield ""
+
+
+def _form(name: str, values: Mapping[str, float], symbols: Mapping[str, str]) -> str:
+    """A form and the values of its shape parameters."""
+    given = ", ".join(f"{symbols[key]} = {value:g}" for key, value in values.items())
+    return f"{name} ({given})" if given else name
 
 
 def _as_markdown(text: str) -> str:

@@ -59,6 +59,18 @@ def test_statement_units_bounds_and_source(effect: Effect) -> None:
     assert all(p.lower <= 0 <= p.upper for p in effect.parameters[: effect.strengths])
 
 
+@pytest.mark.parametrize("effect", [e for e in ALL_EFFECTS if e.forms], ids=lambda e: e.name)
+def test_the_95_percent_interval_of_the_prior_holds_every_named_form(effect: Effect) -> None:
+    shapes = {p.name: p for p in effect.parameters[effect.strengths :]}
+    assert len(effect.forms) >= 2
+    for form, values in effect.forms.items():
+        assert values.keys() <= shapes.keys(), form
+        for name, value in values.items():
+            p = shapes[name]
+            assert p.lower <= value <= p.upper, (form, name)
+            assert abs(value - p.start) <= 2.0 * p.spread + 1e-9, (form, name)
+
+
 @pytest.mark.parametrize("effect", ALL_EFFECTS, ids=lambda e: e.name)
 def test_finite_and_felt(effect: Effect) -> None:
     changed = simulated_path(effect)
@@ -313,9 +325,21 @@ def test_a_stall_goes_on_over_its_range() -> None:
     stall = plates().effect("stall")
     for s, share in ((0.19, 0.0), (0.25, 0.5), (0.31, 1.0)):
         motion = {"uh": 0.3 * np.sqrt(1 - s * s), "vh": 0.3 * s, "V": 0.3}
-        lost = call_effect(stall, "plate", np.zeros(3), **motion, k=0.4, s0=0.2, b=0.1)
+        rest = call_effect(stall, "rates", np.zeros(3), **motion, z_stall=share, s0=0.2, b=0.1)
+        assert rest == pytest.approx([0.0], abs=1e-5)
+        lost = call_effect(stall, "plate", np.zeros(3), **motion, k=0.4, z_stall=share)
         lift = 0.5 * 1000 * 0.0083 * 3.0 * 2 * 0.09 * s * np.sqrt(1 - s * s)
         assert np.hypot(*lost) == pytest.approx(0.4 * share * lift)
+
+
+def test_flow_separates_while_the_head_travels_its_lengths() -> None:
+    """3 head lengths of 0.12 m at 0.3 m/s: a time constant of 1.2 s, and the least lag, 1/60 s."""
+    stall = plates().effect("stall")
+    motion = {"uh": 0.24, "vh": 0.18, "V": 0.3, "s0": 0.2, "b": 0.1}  # fully separated
+    rate = call_effect(stall, "rates", np.zeros(3), **motion, z_stall=0.4, s=3.0)
+    assert rate == pytest.approx([0.6 / (1.2 + 1 / 60)])
+    alone = call_effect(stall, "plate", np.zeros(3), **motion, z_stall=1.0, j=0.0)
+    assert alone == pytest.approx([0.0, 0.0])
 
 
 def test_a_wall_fades_by_e_or_as_the_square_of_the_distance() -> None:
@@ -368,7 +392,7 @@ def test_a_core_is_not_wound_by_the_first_step(step: float) -> None:
     n = next(p.lower for p in effect.parameters if p.symbol == "n")
     t = np.arange(0.0, 6.0, 0.5 * step)
     turn_rate = effect.hooks["core_turn_rate"]
-    rate = np.array([turn_rate(one, 0.5, 1.0, 0.2, n, 0.5, 1.0, 0.0)[0] for one in t])
+    rate = np.array([turn_rate(one, 0.5, 1.0, 0.2, n, 0.5, 1.0, 0.0, 0.0, 3.0)[0] for one in t])
     turned = step / 6 * (rate[:-2:2] + 4 * rate[1:-1:2] + rate[2::2]).sum()
     assert turned == pytest.approx(0.5, abs=0.01)
 
@@ -376,18 +400,30 @@ def test_a_core_is_not_wound_by_the_first_step(step: float) -> None:
 def test_a_core_that_takes_the_turning_goes_with_the_head_angle() -> None:
     """Over the whole start it turns by c times what was missing of the angle; c = 0: not at all."""
     servo, t = plates().effect("servo_lag").hooks, np.linspace(0.0, 4.0, 40001)
-    for n, q in ((1.0, 0.0), (2.2, 0.6)):
-        given = (0.8, 0.3, n, q)
-        missing = servo["drive"](0.0, 0.5, *given, 0.2)[0]
+    for n, q, w in ((1.0, 0.0, 0.0), (2.2, 0.6, 0.0), (1.0, 0.0, 1.0), (1.5, 0.3, 0.5)):
+        given, swing = (0.8, 0.3, n, q), (w, 3.0)
+        missing = servo["drive"](0.0, 0.5, *given, 0.2, *swing)[0]
         assert missing == pytest.approx(-0.8 * 0.5, rel=1e-3)
-        rate = np.array([servo["core_turn_rate"](one, 0.5, *given, 0.7, 0.2)[0] for one in t])
-        assert np.trapezoid(rate, t) == pytest.approx(-0.7 * missing, rel=2e-3)
-        assert servo["core_turn_rate"](0.1, 0.5, *given, 0.0, 0.0) == (0.0,)
+        turn = [servo["core_turn_rate"](one, 0.5, *given, 0.7, 0.2, *swing)[0] for one in t]
+        assert np.trapezoid(turn, t) == pytest.approx(-0.7 * missing, rel=2e-3)
+        assert servo["core_turn_rate"](0.1, 0.5, *given, 0.0, 0.0, *swing) == (0.0,)
+
+
+def test_an_overshooting_servo_is_the_step_response_of_second_order() -> None:
+    """Nise (2015), sec. 4.6: damping ratio 0.3, 5 rad/s, from rest at the angle 0."""
+    ratio, natural = 0.3, 5.0
+    damped = np.sqrt(1 - ratio**2)
+    drive = plates().effect("servo_lag").hooks["drive"]
+    for t in (0.05, 0.4, 1.1, 2.0):
+        z = damped * natural * t
+        reached = 1 - np.exp(-ratio * natural * t) * (np.cos(z) + ratio / damped * np.sin(z))
+        missing = drive(t, 0.5, 1.0, 1 / (ratio * natural), 1.0, 0.0, 0.0, 1.0, damped / ratio)[0]
+        assert missing == pytest.approx(-0.5 * (1 - reached), abs=1e-8)
 
 
 def test_a_servo_does_not_move_in_its_dead_time() -> None:
     drive = plates().effect("servo_lag").hooks["drive"]
-    given = {"k": 1.0, "tau": 0.3, "n": 1.0, "q": 0.0}
+    given = {"k": 1.0, "tau": 0.3, "n": 1.0, "q": 0.0, "w": 0.0, "b": 3.0}
     assert drive(0.15, 0.5, **given, t_d=0.2)[0] == pytest.approx(-0.5, rel=1e-6)
     assert drive(0.5, 0.5, **given, t_d=0.2) == pytest.approx(drive(0.3, 0.5, **given, t_d=0.0))
 
@@ -472,15 +508,15 @@ def test_crossflow_drag_of_a_deep_tail() -> None:
     assert added == pytest.approx([0.0, Y, -0.206 * Y])
 
 
-@pytest.mark.parametrize("b", [0.0, 0.4, 1.0])
-def test_the_eddy_turns_a_line_as_its_velocities_differ_along_it(b: float) -> None:
+@pytest.mark.parametrize(("b", "c"), [(0.0, 0.0), (0.4, 0.3), (1.0, 0.0), (0.0, 1.0)])
+def test_the_eddy_turns_a_line_as_its_velocities_differ_along_it(b: float, c: float) -> None:
     eddy = plates().effect("pool_gyre").hooks["water"]
     place, psi, step = np.array([0.7, 1.1]), 0.6, 1e-6
     along, left = np.array([np.cos(psi), np.sin(psi)]), np.array([-np.sin(psi), np.cos(psi)])
-    ahead, behind = (eddy(*(place + k * step * along), psi, 2.6, 1.6, 0.02, 1.0, 0.5, b, 0.7)[:2]
+    ahead, behind = (eddy(*(place + k * step * along), psi, 2.6, 1.6, 0.02, 1.0, 0.5, b, c, 0.7)[:2]
                      for k in (1, -1))  # fmt: skip
     turning = (np.subtract(ahead, behind) / (2 * step)) @ left
-    assert eddy(*place, psi, 2.6, 1.6, 0.02, 1.0, 0.5, b, 0.7)[2:] == pytest.approx(
+    assert eddy(*place, psi, 2.6, 1.6, 0.02, 1.0, 0.5, b, c, 0.7)[2:] == pytest.approx(
         (turning, 0.5 * turning), rel=1e-6
     )
 
@@ -563,7 +599,7 @@ def test_a_sheared_current_vanishes_at_one_wall_and_doubles_at_the_other() -> No
 
 def test_a_vortex_is_fastest_at_its_core_radius() -> None:
     water = plates().effect("pool_gyre").hooks["water"]
-    speeds = [water(1.3 + r, 0.8, 0.0, 2.6, 1.6, 0.02, 0.0, 0.0, 1.0, 0.4)[1]
+    speeds = [water(1.3 + r, 0.8, 0.0, 2.6, 1.6, 0.02, 0.0, 0.0, 1.0, 0.0, 0.4)[1]
               for r in (0.2, 0.4, 0.8)]  # fmt: skip
     assert speeds == pytest.approx([0.016, 0.02, 0.016])
 

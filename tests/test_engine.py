@@ -13,6 +13,7 @@ from scipy.integrate import quad
 from scipy.stats import multivariate_normal
 
 from bluekoi.engine import (
+    FittedSet,
     NamedCause,
     Posterior,
     Priors,
@@ -26,15 +27,18 @@ from bluekoi.engine import (
     named_causes,
     posterior,
     search_sets,
+    set_score,
+    strength_estimates,
 )
 from bluekoi.engine.evidence import laplace_evidence, log_evidence
-from bluekoi.engine.expansion import likely_strengths
+from bluekoi.engine.expansion import expand_in_all_forms, likely_strengths
+from bluekoi.engine.near_copies import near_copies
 from bluekoi.engine.own_noise import SMALL_FORCE_CORRELATION_TIME_S, SMALL_FORCE_SHARE
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
 from bluekoi.engine.set_columns import Layout
-from bluekoi.engine.set_score import score_set
+from bluekoi.engine.set_score import at_optimum, score_set, with_discrepancy
 from bluekoi.engine.subset import designed_subset
-from bluekoi.fitting import Free, Noise, Series
+from bluekoi.fitting import Z_95, Free, Noise, Series, between_trial_covariance
 from bluekoi.fitting.trial_effects import marginal_products
 from bluekoi.integrate import Effect, Parameter, Stage, System, compiled
 from validation.noise_starts import gain_table, gains_of_sets
@@ -256,6 +260,33 @@ def test_a_cause_whose_strengths_may_all_be_zero_is_insignificant() -> None:
     assert "quadratic_drag improves the fit (probability 0.99)" in insignificance_sentence(cause)
 
 
+def drag_of_some_exponent(v: float, k: float, p: float) -> tuple[float]:
+    """Drag k |v / v_1|^p, v_1 = 10 m/s: far from the speeds, so that p may stand for k."""
+    return (-k * v / (abs(v) + 1e-9) * (abs(v) / 10.0 + 1e-9) ** p,)
+
+
+def test_a_strength_is_judged_with_the_form_of_its_cause_held() -> None:
+    """k and p trade places, so that the interval of k alone holds 0; no trial does without drag."""
+    drag = Effect("drag", "physics", "A force.",
+                  (Parameter("k", "N", 10.0, 0.0, 500.0, ""),
+                   Parameter("p", "1", 2.0, 0.1, 4.0, "", spread=1.0)),
+                  {"force": drag_of_some_exponent}, "tests", ("surge",))  # fmt: skip
+    system = replace(SYSTEM, effects=(*SYSTEM.effects[:1], drag))
+    problem = replace(
+        driven_mass_problem(driven_mass_trials(0.3, 0.0)), kernel=compiled(system),
+        base=system.values({}), candidates=candidates_of(system, ["drag"], Priors(cause=0.1)),
+    )  # fmt: skip
+    fitted = fit_own_noise(problem, fit_set(problem, ("drag",), problem.noise, {}))
+    label = "drag.k"
+    free = between_trial_covariance(fitted.fit.normal, np.ones(3, dtype=bool))
+    wide = float(free.half_widths()[1]) / Z_95
+    value, std = strength_estimates(fitted, problem.by_name)[label]
+    assert value == fitted.fit.by_label()[label]
+    assert wide > 3 * std
+    assert insignificant_causes([NamedCause("drag", 1.0, {})], problem.by_name,
+                                {label: (value, std)}) == []  # fmt: skip
+
+
 def test_without_its_limit_the_posterior_keeps_every_set() -> None:
     visited = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
     sets = list(visited.sets.values())
@@ -384,3 +415,71 @@ def test_evidence_is_not_extrapolated_along_a_slope_at_the_fit() -> None:
     fitted = search_sets(whole).sets[frozenset({"quadratic_drag"})]
     gradient = fitted.expansion.gradient.sum(axis=0)[list(fitted.expansion.own)]
     assert np.abs(gradient[~fitted.model.at_bound]).max() < 1e-6
+
+
+def test_a_number_at_its_bound_promises_no_gain_from_leaving_it() -> None:
+    """The fit has ended there; a slope away from the bound is one of held gains."""
+    whole = driven_mass_problem(driven_mass_trials(0.0, -0.1))
+    model = fit_set(whole, ("quadratic_drag",), whole.noise, {"quadratic_drag.k": 0.0})
+    values, place = model.fit.values.copy(), 1
+    values[place] = 0.0
+    at_zero = replace(
+        model, fit=replace(model.fit, values=values), at_bound=np.array([False, True])
+    )
+    expansion = expand_about(whole, at_zero, [])
+    for slope, kept in ((5.0, 0.0), (-5.0, -5.0)):
+        gradient = np.full_like(expansion.gradient, slope / len(expansion.gradient))
+        found = at_optimum(whole, replace(expansion, gradient=gradient)).gradient.sum(axis=0)
+        assert found == pytest.approx([0.0, kept], abs=1e-12)
+
+
+def problem_with_a_discrepancy() -> Problem:
+    """Drag and what its formula leaves, a constant force."""
+    problem = driven_mass_problem(driven_mass_trials(0.3, 0.05))
+    source = frozenset({("surge", "speed")})
+    drag, force = (replace(c, sources=source) for c in problem.candidates)
+    return replace(problem, candidates=(drag, replace(force, kind="residual")),
+                   state_variables=frozenset({"speed"}))  # fmt: skip
+
+
+def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> None:
+    """Where fits with the discrepancy end lower, the evidence is that of none, at an optimum."""
+    problem, label = problem_with_a_discrepancy(), "constant_force.F0"
+    fitted = fit_own_noise(problem, fit_set(problem, ("quadratic_drag",), problem.noise, {}))
+    scored = score_set(problem, fitted)
+    reached = with_discrepancy(problem, scored)
+    assert reached.model.deviations.keys() == {label}
+    assert reached.log_joint > scored.log_joint
+
+    def ends_early(problem: Problem, model: FittedSet, noise: Noise, **given) -> FittedSet:
+        return fit_set(problem, model.causes, noise, {"c": 3.0}, iterations=0, passes=1, **given)
+
+    monkeypatch.setattr(set_score, "fit_again", ends_early)
+    monkeypatch.setattr(set_score, "fit_own_noise", lambda problem, model, **_: model)
+    found = with_discrepancy(problem, scored)
+    assert found.log_joint == pytest.approx(scored.log_joint)
+    assert found.model.discrepancy == {label: 0.0}
+    column = found.expansion.strengths["constant_force"][0]
+    assert scored.expansion.gradient[:, column].sum() > 1.0
+    assert found.expansion.gradient[:, column].sum() == pytest.approx(0.0, abs=1e-9)
+    assert found.log_posterior < scored.log_posterior
+
+
+def test_a_residual_term_that_a_cause_describes_is_no_candidate_of_its_own() -> None:
+    """v |v| in the channel and variable of the drag is the drag; a constant force is not."""
+    source = frozenset({("surge", "speed")})
+    copy = _effect("copy", quadratic_drag, Parameter("k", "1/m", 0.5, -20.0, 20.0, ""))
+    system = replace(SYSTEM, effects=(*SYSTEM.effects, copy))
+    names = ["quadratic_drag", "constant_force", "copy"]
+    drag, force, twin = candidates_of(system, names, Priors(cause=0.1))
+    residual = {"kind": "residual", "sources": source}
+    problem = replace(
+        driven_mass_problem(driven_mass_trials(0.3, 0.0)), kernel=compiled(system),
+        base=system.values({}), candidates=(replace(drag, sources=source),
+        replace(force, **residual), replace(twin, **residual)),
+    )  # fmt: skip
+    bare = fit_set(problem, (), problem.noise, {})
+    assert near_copies(problem, *expand_in_all_forms(problem, bare)) == {"copy"}
+    visited = search_sets(problem)
+    assert visited.best.causes == ("quadratic_drag",)
+    assert not any("copy" in key for key in visited.sets)

@@ -43,6 +43,7 @@ from bluekoi.pose import rigid_pose
 from bluekoi.stages.clock_factor import CLOCK_STD_SHARE
 from bluekoi.stages.clock_measurement import (
     STATED_FREQUENCY_STD_SHARE,
+    trials_with_wrong_clock,
     variance_components,
     with_clock_measurement,
 )
@@ -381,18 +382,26 @@ def test_noise_is_left_where_the_filter_runs_away(
     assert fit_noise(kernel, few, wild, baseline.noise).noise is baseline.noise
 
 
-def clock_evidence(
+def clock_series(
     ratios: list[float], source: str = "motor_log", stated: list[float] | None = None
-) -> tuple[float, float]:
-    """Mean and its standard deviation of nine trials at three powers."""
-    none = np.zeros(1)
-    series = [Series(f"T{i}", f"{50 + i // 3} %", "", none, none, none, none, none, none, none)
-              for i in range(9)]  # fmt: skip
-    hz = stated or [4.0] * 9
+) -> tuple[list[Series], dict[str, Flapping]]:
+    """Trials, three at each power, whose tail beats by other shares in the video than logged."""
+    none, constants = np.zeros(1), np.ones(len(plates().constants))
+    series = [Series(f"T{i}", f"{50 + i // 3} %", "", none, none, constants, none, none, none, none)
+              for i in range(len(ratios))]  # fmt: skip
+    hz = stated or [4.0] * len(ratios)
     beats = {
         s.name: Flapping(f, 0.0, source, video_hz=f * (1 + k), video_hz_std=0.0)
         for s, k, f in zip(series, ratios, hz, strict=True)
     }
+    return series, beats
+
+
+def clock_evidence(
+    ratios: list[float], source: str = "motor_log", stated: list[float] | None = None
+) -> tuple[float, float]:
+    """Mean and its standard deviation of nine trials at three powers."""
+    series, beats = clock_series(ratios, source, stated)
     found = np.array([s.evidence["clock_ratio"] for s in with_clock_measurement(series, beats)])
     return float(found[:, 0].mean()), float(np.mean(found[:, 1])) / 3
 
@@ -418,6 +427,29 @@ def test_a_frequency_stated_for_several_trials_at_once_says_less_of_the_clock() 
     assert clock_evidence([-0.025] * 9)[1] == pytest.approx(CLOCK_STD_SHARE / 3)
     _, std = clock_evidence([-0.025] * 9, "flap_hz")
     assert std == pytest.approx(STATED_FREQUENCY_STD_SHARE, rel=0.01)
+
+
+def test_a_wrong_clock_in_some_trials_is_measured_in_these_alone() -> None:
+    """5 % in three of nine trials of three powers; the ratios of the others say nothing of it."""
+    off = [-0.05, 0.001, -0.001] * 3
+    series, beats = clock_series(off)
+    found = with_clock_measurement(series, beats)
+    assert trials_with_wrong_clock(found) == ["T0", "T3", "T6"]
+    assert [s.evidence.get("clock_ratio", (np.nan,))[0] for s in found] == pytest.approx(
+        [-0.05, np.nan, np.nan] * 3, nan_ok=True
+    )
+    place = plates().constants.index("clock_part")
+    clock = plates().effect("clock_error").hooks["clock"]
+    assert [clock(2.0, s.constants[place], -0.05, 0.0)[0] for s in found] == [-0.05, 0, 0] * 3
+
+
+@pytest.mark.parametrize("off", [
+    [-0.05] * 3 + [0.0] * 6, [-0.004, 0.003, 0.001] * 3, [-0.05] * 9, [-0.05, 0.0, 0.0],
+])  # fmt: skip
+def test_no_part_of_the_trials_stands_apart(off: list[float]) -> None:
+    """Another ratio at one power (a supply that sags), scatter, one ratio in all, three trials."""
+    series, beats = clock_series(off)
+    assert trials_with_wrong_clock(with_clock_measurement(series, beats)) == []
 
 
 def test_variances_within_and_between_groups_are_told_apart() -> None:

@@ -40,8 +40,13 @@ PARAMETERS = (
     Parameter("inertia_ratio", "1", 1.0, 0.0, 4.0, "added inertia over that of a slender body",
               spread=0.5, symbol="j"),
     Parameter("munk_share", "1", 1.0, 0.0, 1.2, "share of the Munk moment that acts",
-              spread=0.3, symbol="e"),
+              spread=0.35, symbol="e"),
 )  # fmt: skip
+FORMS = {
+    "slender body": {},
+    "ellipsoid, five times as long as wide": {"surge_to_sway": 0.066, "inertia_ratio": 0.5},
+    "partial Munk moment": {"munk_share": 0.3},
+}
 
 
 def inertia(length: float, A22: float, c: float, j: float) -> tuple[float, float, float]:

@@ -37,6 +37,11 @@ PARAMETERS = (
     Parameter("load_exponent", "1", 0.0, 0.0, 3.0, "growth with the flapping frequency",
               spread=1.0, symbol="e"),
 )  # fmt: skip
+FORMS = {
+    "linear": {},
+    "exponential": {"settling_rate": 0.25},
+    "in proportion to the load": {"load_exponent": 2.0},
+}
 
 
 MIDDLE_S = 3.0  # of a usual trial

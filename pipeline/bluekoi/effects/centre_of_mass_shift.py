@@ -36,6 +36,10 @@ PARAMETERS = (
     Parameter("head_angle_share", "1", 0.0, 0.0, 1.0, "part that grows with the head angle",
               spread=0.5, symbol="w"),
 )  # fmt: skip
+FORMS = {
+    "fixed": {},
+    "moves with the head": {"head_angle_share": 1.0},
+}
 
 
 def force(

@@ -34,6 +34,12 @@ PARAMETERS = (
     Parameter("static_excess", "1", 0.0, 0.0, 3.0, "excess of static over sliding friction",
               spread=0.5, symbol="s"),
 )  # fmt: skip
+FORMS = {
+    "sign of the velocity": {"onset_speed": 0.002},
+    "smoothed": {},
+    "Stribeck": {"static_excess": 0.5},
+    "saturating": {"onset_speed": 0.08},
+}
 
 
 def force(

@@ -41,8 +41,14 @@ PARAMETERS = (
     Parameter("tail_depth", "1", 0.0, 0.0, 3.0, "depth of the tail behind its base, in head spans",
               spread=0.5, symbol="w"),
     Parameter("reynolds_share", "1", 0.0, 0.0, 1.0, "part that grows as the 1.5th power",
-              spread=0.3, symbol="e"),
+              spread=0.5, symbol="e"),
 )  # fmt: skip
+FORMS = {
+    "quadratic": {},
+    "power 3/2": {"reynolds_share": 1.0},
+    "tapered body": {"taper": 0.4},
+    "with the tail": {"tail_depth": 1.0},
+}
 
 
 def section(w: float, e: float) -> float:

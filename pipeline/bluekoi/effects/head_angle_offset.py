@@ -33,6 +33,11 @@ PARAMETERS = (
     Parameter("backlash_share", "1", 0.0, 0.0, 1.0, "part that has the sign of the angle",
               spread=0.5, symbol="b"),
 )  # fmt: skip
+FORMS = {
+    "constant": {},
+    "gain": {"gain_share": 1.0},
+    "backlash": {"backlash_share": 1.0},
+}
 
 
 def drive(head_angle: float, d: float, g: float, b: float) -> tuple[float, float]:

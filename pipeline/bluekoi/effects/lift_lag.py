@@ -34,12 +34,20 @@ PARAMETERS = (
     Parameter("build_up_lengths", "1", 4.0, 0.1, 20.0, "head lengths travelled as lift builds up",
               symbol="s"),
     Parameter("second_order_share", "1", 0.0, 0.0, 1.0, "part that lags twice",
-              spread=0.4, symbol="w"),
-    Parameter("speed_exponent", "1", 0.0, 0.0, 2.0, "power of the speed that acts without lag",
-              spread=0.7, symbol="e"),
+              spread=0.5, symbol="w"),
+    Parameter("speed_exponent", "1", 1.0, 0.0, 2.0, "power of the speed that acts without lag",
+              spread=0.5, symbol="e"),
     Parameter("moment_share", "1", 0.0, 0.0, 1.2, "part of the moment that lags as the lift does",
               spread=0.5, symbol="m"),
 )  # fmt: skip
+FORMS = {
+    "force": {"speed_exponent": 0.0},
+    "circulation": {},
+    "coefficient": {"speed_exponent": 2.0},
+    "two lags in series": {"second_order_share": 1.0},
+    "moment as well": {"moment_share": 1.0},
+    "short lag": {"build_up_lengths": 0.5},
+}
 STATES = ("z", "y_lag")
 
 

@@ -33,10 +33,15 @@ CONFUSED_WITH = ("tail_fin_lift", "crossflow_drag", "viscous_drag")
 PARAMETERS = (
     Parameter("N_r", "N m s", 0.005, 0.0, 0.3, "moment at 0.5 rad/s and 0.3 m/s over 0.5 rad/s"),
     Parameter("laminar_share", "1", 0.0, 0.0, 1.0, "part that grows as r^1.5",
-              spread=0.3, symbol="p"),
+              spread=0.5, symbol="p"),
     Parameter("speed_share", "1", 0.0, 0.0, 1.0, "part that grows as V r",
-              spread=0.3, symbol="q"),
+              spread=0.5, symbol="q"),
 )  # fmt: skip
+FORMS = {
+    "r": {},
+    "r^(3/2)": {"laminar_share": 1.0},
+    "V r": {"speed_share": 1.0},
+}
 
 
 def force(rc: float, V: float, N_r: float, p: float, q: float) -> tuple[float, float, float]:

@@ -39,10 +39,18 @@ PARAMETERS = (
     Parameter("ramp_share", "1", 0.5, 0.0, 1.0, "part of the rise that is a controller's ramp",
               symbol="w"),
     Parameter("ramp_smoothness", "1", 0.0, 0.0, 1.0, "0: linear ramp, 1: smooth step",
-              spread=0.4, symbol="q"),
-    Parameter("dead_time", "s", 0.0, 0.0, 0.3, "time in which the frequency does not rise",
-              spread=0.05, symbol="t_d"),
+              spread=0.5, symbol="q"),
+    Parameter("dead_time", "s", 0.0, 0.0, 1.0, "time in which the frequency does not rise",
+              spread=0.15, symbol="t_d"),
 )  # fmt: skip
+FORMS = {
+    "first order": {"ramp_share": 0.0},
+    "ramp": {"ramp_share": 1.0},
+    "S-curve": {"ramp_share": 1.0, "ramp_smoothness": 1.0},
+    "dead time": {"dead_time": 0.3},
+    "fast": {"time_constant": 0.1},
+    "slow": {"time_constant": 1.5},
+}
 
 
 def lost_time(k: float, tau: float, t_d: float) -> float:

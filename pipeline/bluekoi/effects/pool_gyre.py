@@ -2,7 +2,8 @@
 
 There are two forms of the rotation of the water in a pool of length L and width W. In the first
 form, the stream function is proportional to sin(pi x / L) sin(pi y / W), so that no water crosses
-the walls. G is the largest speed along the long walls.
+the walls. G is the largest speed along the long walls. The part c of it is two such cells side by
+side, which rotate in opposite directions: sin(2 pi x / L) sin(pi y / W).
 
 The part b of the flow has the second form, a vortex about the middle of the pool. At the distance r
 from the middle, its azimuthal velocity is
@@ -41,14 +42,22 @@ PARAMETERS = (
               spread=0.4, symbol="d"),
     Parameter("vortex_share", "1", 0.0, 0.0, 1.0, "part that is a vortex about the middle",
               spread=0.5, symbol="b"),
+    Parameter("two_cell_share", "1", 0.0, 0.0, 1.0, "part of it that is two opposite cells",
+              spread=0.5, symbol="c"),
     Parameter("core_radius", "m", 0.6, 0.15, 3.0, "radius of the vortex's largest speed",
               spread=0.4, symbol="a"),
 )  # fmt: skip
+FORMS = {
+    "cell": {},
+    "vortex": {"vortex_share": 1.0},
+    "solid body": {"vortex_share": 1.0, "core_radius": 1.2},
+    "two cells": {"two_cell_share": 1.0},
+}
 
 
 def water(
     x: float, y: float, psi: float, L_pool: float, W_pool: float,
-    G: float, g: float, d: float, b: float, a: float,
+    G: float, g: float, d: float, b: float, c: float, a: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Velocity of the water in the pool frame (m/s) and its turning of a line along psi (rad/s).
 
@@ -57,18 +66,20 @@ def water(
     """
     sx, cx = sin_cos(math.pi * x / L_pool)
     sy, cy = sin_cos(math.pi * y / W_pool)
-    s, c = sin_cos(psi)
+    s2, c2 = 2.0 * sx * cx, cx * cx - sx * sx  # of 2 pi x / L
+    s, o = sin_cos(psi)
     aspect = W_pool / L_pool
-    stretch, up, right = cx * cy / L_pool, sx * sy / W_pool, aspect * sx * sy / L_pool
-    cell = math.pi * (s * s * up + c * c * right - 2.0 * s * c * stretch)
+    S, C, R = sx + c * (s2 - sx), cx + c * (2.0 * c2 - cx), sx + c * (4.0 * s2 - sx)
+    stretch, up, right = C * cy / L_pool, S * sy / W_pool, aspect * R * sy / L_pool
+    cell = math.pi * (s * s * up + o * o * right - 2.0 * s * o * stretch)
     dx, dy = x - 0.5 * L_pool, y - 0.5 * W_pool
     e = 1.0 + (dx * dx + dy * dy) / (a * a)
-    rate, along = 2.0 / (a * e), dx * c + dy * s
+    rate, along = 2.0 / (a * e), dx * o + dy * s
     vortex = rate - 2.0 * rate / (a * a * e) * along * along
     turning = G * (cell + b * (vortex - cell))
     return (
-        G * (sx * cy + b * (-rate * dy - sx * cy)),
-        G * (-aspect * cx * sy + b * (rate * dx + aspect * cx * sy)),
+        G * (S * cy + b * (-rate * dy - S * cy)),
+        G * (-aspect * C * sy + b * (rate * dx + aspect * C * sy)),
         g * turning,
         d * turning,
     )

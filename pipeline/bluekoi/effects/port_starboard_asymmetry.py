@@ -38,10 +38,16 @@ PARAMETERS = (
     Parameter("drag_difference", "1", 0.05, -2.0, 2.0,
               "share by which drag is larger with the lift to the left", symbol="g"),
     Parameter("transition_sine", "1", 0.03, 0.0, 1.0,
-              "sine of 2 alpha up to which the sides differ less", spread=0.2, symbol="w"),
+              "sine of 2 alpha up to which the sides differ less", spread=0.5, symbol="w"),
     Parameter("moment_share", "1", 0.0, 0.0, 1.2,
               "part of the moment that differs as the lift does", spread=0.5, symbol="m"),
 )  # fmt: skip
+FORMS = {
+    "step": {"transition_sine": 0.0},
+    "smooth": {"transition_sine": 0.2},
+    "at large angles": {"transition_sine": 1.0},
+    "moment as well": {"moment_share": 1.0},
+}
 
 
 def plate(

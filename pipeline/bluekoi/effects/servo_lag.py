@@ -2,12 +2,14 @@
 
 At the time t since the start of the trial, the head angle is
 
-    phi(t) = phi (1 - k exp(-((t - t_d) / T)^n)),  T = tau (1 - q + q |phi| / 45 deg)
+    phi(t) = phi (1 - k exp(-((t - t_d) / T)^n) S),  T = tau (1 - q + q |phi| / 45 deg)
+    S = 1 - w + w (cos z + sin(z) / b),  z = b (t - t_d) / T
 
 phi on the right-hand side is the commanded angle, and k the share of it that is missing at the
 start, until the servo begins to move after the dead time t_d. n = 1 and q = 0 is a first-order lag
 with the time constant tau. A servo with a limited rate has a larger n, and q = 1: the time is then
-proportional to the angle.
+proportional to the angle. With w = 1 (and n = 1, q = 0), the head swings about its angle, as a lag
+of second order with the damping ratio (1 + b^2)^(-1/2); with w = 0 it does not.
 
 While the servo moves, the core turns by the share c of the change of the head angle, psi' = r + c
 phi', and the head by the rest. psi is the heading of the core and r the yaw rate. With c = 1 the
@@ -18,7 +20,7 @@ Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response
 
 from __future__ import annotations
 
-from ..integrate.branchless import exponential, power
+from ..integrate.branchless import exponential, power, sin_cos
 from ..integrate.system import Parameter
 
 KIND = "physics"
@@ -42,23 +44,43 @@ PARAMETERS = (
               spread=0.5, symbol="c"),
     Parameter("dead_time", "s", 0.0, 0.0, 0.6, "time in which the angle does not change",
               spread=0.15, symbol="t_d"),
+    Parameter("overshoot_share", "1", 0.0, 0.0, 1.0, "part that swings about the angle",
+              spread=0.5, symbol="w"),
+    Parameter("swing_rate", "1", 3.0, 0.5, 8.0, "swings, in radians, in a time constant",
+              spread=2.0, symbol="b"),
 )  # fmt: skip
+FORMS = {
+    "first order": {"rate_limit_exponent": 1.0, "angle_dependence": 0.0},
+    "second order, overshooting": {"overshoot_share": 1.0},
+    "limited rate": {"rate_limit_exponent": 3.0, "angle_dependence": 1.0},
+    "dead time": {"dead_time": 0.3},
+    "core turns instead": {"core_share": 1.0},
+    "fast": {"time_constant": 0.15},
+    "slow": {"time_constant": 1.0},
+}
 
 
 def drive(
-    t: float, head_angle: float, k: float, tau: float, n: float, q: float, t_d: float
-) -> tuple[float, float]:
+    t: float, head_angle: float, k: float, tau: float, n: float, q: float, t_d: float, w: float,
+    b: float,
+) -> tuple[float, float]:  # fmt: skip
     """Change of head angle (rad) and flapping frequency (Hz)."""
     T = tau * (1.0 - q + q * (abs(head_angle) + 1e-3) / 0.7853981633974483)
-    return -head_angle * k * exponential(-power(max(t - t_d, 1e-9) / T, n)), 0.0
+    late = max(t - t_d, 1e-9) / T
+    s, c = sin_cos(b * late)
+    return -head_angle * k * exponential(-power(late, n)) * (1.0 - w + w * (c + s / b)), 0.0
 
 
 def core_turn_rate(
-    t: float, head_angle: float, k: float, tau: float, n: float, q: float, c: float, t_d: float
-) -> tuple[float]:
+    t: float, head_angle: float, k: float, tau: float, n: float, q: float, c: float, t_d: float,
+    w: float, b: float,
+) -> tuple[float]:  # fmt: skip
     """Rate at which the core turns (rad/s): c times that of the head angle."""
     T = tau * (1.0 - q + q * (abs(head_angle) + 1e-3) / 0.7853981633974483)
     late = max(t - t_d, 1e-9) / T
     left = power(late, n)
     moving = min(max(1.0 + 1e6 * (t - t_d), 0.0), 1.0)  # 0 until a microsecond before t_d
-    return (moving * c * k * head_angle * exponential(-left) * left * n / (late * T),)
+    s, o = sin_cos(b * late)
+    swing, change = 1.0 - w + w * (o + s / b), w * (o - b * s)  # S and its slope over time / T
+    slope = left * n / late * swing - change
+    return (moving * c * k * head_angle * exponential(-left) * slope / T,)

@@ -37,10 +37,15 @@ PARAMETERS = (
               "growth of the drag coefficient over the shrinking of the image", spread=15.0,
               symbol="c_g"),
     Parameter("quadratic_share", "1", 0.0, 0.0, 1.0, "part that grows as time squared",
-              spread=0.4, symbol="w"),
+              spread=0.5, symbol="w"),
     Parameter("settling_rate", "1/s", 0.002, 1e-4, 1.0, "rate at which the depth settles",
               spread=0.3, symbol="b"),
 )  # fmt: skip
+FORMS = {
+    "steady": {},
+    "accelerated": {"quadratic_share": 1.0},
+    "settling": {"settling_rate": 0.25},
+}
 
 
 def sunk(t: float, w: float, b: float) -> float:

@@ -1,11 +1,17 @@
 """Lift lost at a high angle of attack.
 
-The head plate loses the share k w(alpha) of its lift at the angle of attack alpha. w rises from 0
-to 1 as |sin alpha| rises from s0 to s0 + b. At small angles there is no loss. The head also loses
-the share m k w(alpha) of its yaw moment q C_Ma sin 2 alpha.
+Above an onset angle, the flow separates from the head plate. In steady flow the separated share
+w(alpha) rises from 0 to 1 as |sin alpha| rises from s0 to s0 + b, with the angle of attack alpha.
+The flow separates and attaches again while the head travels s head lengths h:
+
+    z' = (w(alpha) - z) / (s h / V + 1/60 s)
+
+The head plate loses the share j k z of its lift and the share m k z of its yaw moment q C_Ma sin 2
+alpha. At small angles there is no loss. With s = 0, the loss follows the angle of attack at once.
 
 Source: Abbott and von Doenhoff, Theory of Wing Sections (1959), sec. 4.1 (stalled flow); Hoerner
-and Borst, Fluid-Dynamic Lift (1975), ch. 4.
+and Borst, Fluid-Dynamic Lift (1975), ch. 4; Goman and Khrabrov, J. Aircraft 31 (1994), 1109
+(separation as a state).
 """
 
 from __future__ import annotations
@@ -30,23 +36,49 @@ PARAMETERS = (
               "range of the sine from onset to separated flow", spread=0.1, symbol="b"),
     Parameter("moment_share", "1", 0.0, 0.0, 1.2, "part of the moment that is lost as the lift is",
               spread=0.5, symbol="m"),
+    Parameter("lift_share", "1", 1.0, 0.0, 1.0, "0: the moment alone is lost", spread=0.5,
+              symbol="j"),
+    Parameter("separation_lengths", "1", 0.0, 0.0, 10.0,
+              "head lengths travelled as the flow separates", spread=1.5, symbol="s"),
 )  # fmt: skip
+FORMS = {
+    "smooth step": {},
+    "slow separation (Goman and Khrabrov)": {"separation_lengths": 3.0},
+    "lift and moment": {"moment_share": 1.0},
+    "moment alone": {"lift_share": 0.0, "moment_share": 1.0},
+    "early": {"onset_sine": 0.2},
+    "late": {"onset_sine": 0.6},
+}
+STATES = ("z_stall",)
 
 
 def plate(
     rho: float, A: float, uh: float, vh: float, V: float, C_La: float,
-    k: float, s0: float, b: float,
+    z_stall: float, k: float, j: float,
 ) -> tuple[float, float]:  # fmt: skip
     """Lift taken away, in the head's frame (N)."""
     L = 0.5 * rho * A * C_La * (-2.0 * uh * vh) / V
-    lost = -k * smooth_step((abs(vh) / V - s0) / b)
+    lost = -j * k * z_stall
     return -lost * L * vh, lost * L * uh
 
 
 def force(
-    rho: float, A: float, uh: float, vh: float, V: float, C_Ma: float,
-    k: float, s0: float, b: float, m: float,
-) -> tuple[float, float, float]:  # fmt: skip
+    rho: float,
+    A: float,
+    uh: float,
+    vh: float,
+    C_Ma: float,
+    z_stall: float,
+    k: float,
+    m: float,
+) -> tuple[float, float, float]:
     """Moment taken away (N m)."""
-    lost = m * k * smooth_step((abs(vh) / (V + 1e-9) - s0) / b)
-    return 0.0, 0.0, lost * 0.5 * rho * A * C_Ma * 2.0 * uh * vh
+    return 0.0, 0.0, m * k * z_stall * 0.5 * rho * A * C_Ma * 2.0 * uh * vh
+
+
+def own_rates(
+    vh: float, V: float, h: float, z_stall: float, s0: float, b: float, s: float
+) -> tuple[float]:
+    """Derivative of the separated share z (1/s), not faster than the integrator follows."""
+    separated = smooth_step((abs(vh) / (V + 1e-9) - s0) / b)
+    return ((separated - z_stall) * V / (s * h + V / 60.0 + 1e-12),)

@@ -59,16 +59,26 @@ PARAMETERS = (
     Parameter("arm", "m", 0.15, 0.0, 0.4, "distance of the fin behind the centre of mass",
               symbol="a"),
     Parameter("half_length", "m", 0.03, 0.0, 0.09, "half the extent of the fin along the body",
-              spread=0.02, symbol="b"),
+              spread=0.025, symbol="b"),
     Parameter("sideways_flow_share", "1", 0.2, -0.8, 4.0,
               "share of the sideways flow in the dynamic pressure", spread=0.4, symbol="p"),
     Parameter("vortex_share", "1", 0.0, 0.0, 4.0, "vortex lift over the lift at small angles",
               spread=1.0, symbol="q"),
     Parameter("axial_share", "1", 0.0, -1.0, 2.0, "part of the force along the body",
-              spread=0.4, symbol="g"),
+              spread=0.5, symbol="g"),
     Parameter("build_up_lengths", "1", 0.2, 0.0, 4.0, "head lengths travelled as lift builds up",
               spread=0.5, symbol="s"),
 )  # fmt: skip
+FORMS = {
+    "|u| w": {"sideways_flow_share": 0.0},
+    "V w": {"sideways_flow_share": 1.0},
+    "stalling": {"sideways_flow_share": -0.5},
+    "vortex lift (Polhamus)": {"vortex_share": 1.0},
+    "distributed": {"half_length": 0.07},
+    "induced drag": {"axial_share": 1.0},
+    "late lift": {"build_up_lengths": 1.0},
+    "far behind": {"arm": 0.25},
+}
 STATES = ("z_fin",)
 
 

@@ -34,6 +34,11 @@ PARAMETERS = (
     Parameter("linear_share", "1", 0.0, -4.0, 4.0, "part that grows with the angle, not its sine",
               spread=1.5, symbol="w"),
 )  # fmt: skip
+FORMS = {
+    "sin phi": {},
+    "phi": {"linear_share": 1.0},
+    "sin 2 phi": {"linear_share": -3.0},
+}
 
 
 def force(T: float, phi: float, sphi: float, d: float, w: float) -> tuple[float, float, float]:

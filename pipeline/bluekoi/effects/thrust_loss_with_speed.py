@@ -6,7 +6,8 @@ the thrust T is
     dT = -k rho A f u ((1 - w) + w (u / f) / J_1) (f / f_1)^q,  J_1 = 0.15 m, f_1 = 3.5 Hz
 
 u / f is the advance, the distance that the robot swims in one tail beat. The thrust falls linearly
-with the advance; the part w falls with the square of the advance. The loss vanishes at rest.
+with the advance; the part w falls with the square of the advance. With w > 1, the thrust is largest
+at an advance above 0, as that of a tail at its best Strouhal number. The loss vanishes at rest.
 
 With q = 0, the relative loss depends only on the advance, as for a propeller. With q = 1 (for w =
 0) or q = 2 (for w = 1), it depends only on the speed.
@@ -32,11 +33,17 @@ CONFUSED_WITH = ("viscous_drag", "wave_drag", "battery_sag")
 PARAMETERS = (
     Parameter("loss_per_advance", "m", 0.02, 0.0, 1.0,
               "loss of T / (rho A f^2) per metre of advance, at 0.15 m", symbol="k"),
-    Parameter("quadratic_share", "1", 0.0, 0.0, 1.0, "part that grows as the advance squared",
-              spread=0.4, symbol="w"),
+    Parameter("quadratic_share", "1", 0.0, 0.0, 4.0, "part that grows as the advance squared",
+              spread=1.0, symbol="w"),
     Parameter("frequency_exponent", "1", 0.0, 0.0, 2.0, "growth with frequency at equal advance",
-              spread=0.5, symbol="q"),
+              spread=1.0, symbol="q"),
 )  # fmt: skip
+FORMS = {
+    "linear": {},
+    "quadratic": {"quadratic_share": 1.0},
+    "square of the speed": {"quadratic_share": 1.0, "frequency_exponent": 2.0},
+    "best at one advance": {"quadratic_share": 2.0},
+}
 
 
 def thrust(rho: float, A: float, f: float, uc: float, k: float, w: float, q: float) -> tuple[float]:

@@ -29,10 +29,15 @@ PARAMETERS = (
     Parameter("c_x", "m/s", 0.005, -0.3, 0.3, "current along the pool's x"),
     Parameter("c_y", "m/s", 0.005, -0.3, 0.3, "current along the pool's y"),
     Parameter("shear", "1", 0.0, -1.0, 1.0, "change of the current from the middle to a wall",
-              spread=0.3, symbol="a"),
+              spread=0.5, symbol="a"),
     Parameter("growth", "1", 0.0, -1.0, 1.0, "change of the current in 3 s",
               spread=0.3, symbol="b"),
 )  # fmt: skip
+FORMS = {
+    "constant": {},
+    "sheared": {"shear": 1.0},
+    "drifting": {"growth": 0.5},
+}
 
 
 def water(

@@ -2,21 +2,22 @@
 
 At the speed V, the drag against the direction of motion v_hat is
 
-    D = -k V^(3/2) ((1 - w) + w (V_1 / V)^(1/2)) v_hat,  V_1 = 0.3 m/s
+    D = -k V_1^(3/2) (V / V_1)^p v_hat,  V_1 = 0.3 m/s
 
 In laminar flow, the friction coefficient is proportional to Re^(-1/2), so that the drag grows as
-V^(3/2) (w = 0). The part w grows as V, as in creeping flow. The drag vanishes at rest.
+V^(3/2) (p = 3/2). In creeping flow it grows as V, and in a turbulent boundary layer as V^1.8. The
+drag vanishes at rest.
 
 The part h of the drag acts at the head plate, at the distance l ahead of the centre of mass, like
 all drag in the paper. The rest acts at the centre of mass.
 
-Source: Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5 (plate friction).
+Source: Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5 (laminar plate friction) and
+18.2 (turbulent).
 """
 
 from __future__ import annotations
 
-import math
-
+from ..integrate.branchless import power
 from ..integrate.system import Parameter
 
 KIND = "physics"
@@ -31,16 +32,22 @@ CONFUSED_WITH = ("coulomb_friction", "thrust_loss_with_speed", "wave_drag")
 PARAMETERS = (
     Parameter("coefficient", "N (s/m)^1.5", 0.1, 0.0, 5.0, "force at 0.3 m/s over 0.3^1.5",
               symbol="k"),
-    Parameter("linear_share", "1", 0.0, 0.0, 1.0, "part that grows as V",
-              spread=0.4, symbol="w"),
+    Parameter("speed_exponent", "1", 1.5, 1.0, 1.9, "power of the speed with which it grows",
+              spread=0.25, symbol="p"),
     Parameter("head_share", "1", 0.0, 0.0, 1.0, "part of it that acts at the head",
               spread=0.5, symbol="h"),
 )  # fmt: skip
+FORMS = {
+    "V": {"speed_exponent": 1.0},
+    "V^(3/2)": {},
+    "V^1.8": {"speed_exponent": 1.8},
+    "at the head": {"head_share": 1.0},
+}
 
 
 def force(
-    l: float, uc: float, vc: float, V: float, k: float, w: float, h: float
+    l: float, uc: float, vc: float, V: float, k: float, p: float, h: float
 ) -> tuple[float, float, float]:
     """Surge and sway (N) and yaw (N m)."""
-    s = -k * ((1.0 - w) * math.sqrt(V) + 0.5477225575051661 * w)
+    s = -0.5477225575051661 * k * power(max(V, 1e-9) / 0.3, p - 1.0)
     return s * uc, s * vc, h * l * s * vc

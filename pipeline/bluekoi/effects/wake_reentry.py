@@ -31,7 +31,7 @@ PARAMETERS = (
     Parameter("entry_turns", "1", 0.9, 0.1, 1.5, "turns after which it meets its wake",
               spread=0.3, symbol="n_1"),
     Parameter("entry_width", "1", 0.3, 0.05, 1.5, "turns over which the change grows",
-              spread=0.3, symbol="b"),
+              spread=0.45, symbol="b"),
     Parameter("growth_per_turn", "1", 0.0, 0.0, 1.5, "further change with each further turn",
               spread=0.4, symbol="g"),
     Parameter("age_exponent", "1", 0.0, 0.0, 2.0, "decay of the wake with its age",
@@ -39,6 +39,14 @@ PARAMETERS = (
     Parameter("linear_share", "1", 0.0, 0.0, 1.0, "part in proportion to the speed",
               spread=0.5, symbol="j"),
 )  # fmt: skip
+FORMS = {
+    "step": {},
+    "ramp": {"entry_width": 1.2},
+    "grows with each turn": {"growth_per_turn": 0.5},
+    "fades with age": {"age_exponent": 1.0},
+    "moving water": {"linear_share": 1.0},
+    "early": {"entry_turns": 0.6},
+}
 
 
 def force(

@@ -38,10 +38,16 @@ PARAMETERS = (
     Parameter("moment", "1", 0.2, -20.0, 20.0,
               "turning towards a wall, as by such a pull 0.1 m ahead", symbol="j"),
     Parameter("decay_length", "m", 0.15, 0.03, 0.5, "distance within which it falls by e",
-              spread=0.06, symbol="s"),
+              spread=0.075, symbol="s"),
     Parameter("wide_share", "1", 0.0, 0.0, 1.0, "part that falls as distance squared",
-              spread=0.4, symbol="w"),
+              spread=0.5, symbol="w"),
 )  # fmt: skip
+FORMS = {
+    "exponential": {},
+    "wide": {"decay_length": 0.3},
+    "image": {"wide_share": 1.0},
+    "narrow": {"decay_length": 0.07},
+}
 
 
 def near(d: float, w: float) -> float:

@@ -34,7 +34,7 @@ PARAMETERS = (
     Parameter("coefficient", "N (s/m)^4", 1.0, 0.0, 60.0, "force at 0.4 m/s over 0.4^4",
               symbol="k"),
     Parameter("sixth_power_share", "1", 0.0, 0.0, 1.0, "part that grows as V^6",
-              spread=0.4, symbol="w"),
+              spread=0.5, symbol="w"),
     Parameter("head_share", "1", 0.0, 0.0, 1.0, "part of it that acts at the head",
               spread=0.5, symbol="h"),
     Parameter("hump_share", "1", 0.0, 0.0, 1.0, "part that is a hump", spread=0.5, symbol="g"),
@@ -44,6 +44,14 @@ PARAMETERS = (
     Parameter("onset_speed", "m/s", 0.23, 0.0, 0.35, "speed from which the robot makes waves",
               spread=0.05, symbol="V_0"),
 )  # fmt: skip
+FORMS = {
+    "V^4": {},
+    "V^6": {"sixth_power_share": 1.0},
+    "hump": {"hump_share": 1.0},
+    "above an onset": {"onset_share": 1.0},
+    "at the head": {"head_share": 1.0},
+    "hump at a low speed": {"hump_share": 1.0, "hump_speed": 0.25},
+}
 
 
 def force(

@@ -5,6 +5,7 @@ problem     a system, its trials, its candidates
 refit       nonlinear fits of a set of causes, with all its functional forms
 own_noise   fits of a set under its own noise
 expansion   second-order expansion of the likelihood in the numbers of all candidates
+near_copies residual terms that a listed cause already describes
 set_columns numbers of a set in an expansion, and their priors
 forces      forces of a set's causes and of residual terms along the trials
 evidence    marginal likelihood of a set of causes
@@ -12,24 +13,20 @@ set_score   log posterior of a fitted set, its discrepancy integrated out
 search      which sets are worth a fit
 posterior   probabilities of sets and causes, averaged over samples of trials
 naming      what is named, and what may act in its place
+significance  whether the trials agree that a named cause acts
 """
 
 from .candidates import Candidate, Priors, candidates_of
 from .expansion import Expansion, expand_about
-from .naming import (
-    NamedCause,
-    best_set,
-    choose_causes,
-    insignificance_sentence,
-    insignificant_causes,
-    named_causes,
-)
+from .named_cause import NamedCause
+from .naming import best_set, choose_causes, named_causes
 from .own_noise import fit_own_noise, without_discrepancy
 from .posterior import Posterior, posterior
 from .problem import Problem
 from .refit import FittedSet, fit_set, off_bounds_mask
 from .search import FittedSets, search_sets
 from .set_score import ScoredSet
+from .significance import insignificance_sentence, insignificant_causes, strength_estimates
 
 __all__ = [
     "Candidate",
@@ -53,5 +50,6 @@ __all__ = [
     "off_bounds_mask",
     "posterior",
     "search_sets",
+    "strength_estimates",
     "without_discrepancy",
 ]

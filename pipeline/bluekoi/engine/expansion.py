@@ -22,10 +22,13 @@ from ..fitting.predictions import ParameterChange, difference_step
 from ..fitting.side_measurements import side_measurement_terms
 from ..fitting.trial_effects import marginal_products_at_effects
 from ..integrate import System
-from .candidates import Candidate, parameter_of, strength_step
+from .candidates import Candidate, has_single_sign, parameter_of, strength_step
 from .forces import forces_in_set
 from .problem import Problem
 from .refit import FittedSet, start_values
+
+TriedForms = dict[str, list[tuple[dict[str, float], tuple[int, ...]]]]
+"""Candidate -> form (label -> value) and the columns of its strengths in it."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,18 @@ class Expansion:
 def expand_about(
     problem: Problem, model: FittedSet, candidates: Sequence[Candidate] | None = None
 ) -> Expansion:
-    """`Expansion` about a fitted set, in its own numbers and those of `candidates` (all others)."""
+    """`Expansion` about a fitted set, in its own numbers and those of `candidates` (all others),
+    each in its likeliest form.
+    """
+    return likeliest_forms(problem, *expand_in_all_forms(problem, model, candidates))
+
+
+def expand_in_all_forms(
+    problem: Problem, model: FittedSet, candidates: Sequence[Candidate] | None = None
+) -> tuple[Expansion, TriedForms]:
+    """Expansion about a fitted set with the columns of all forms that are tried of each candidate,
+    and which those are.
+    """
     kernel, system = problem.kernel, problem.kernel.system
     base = start_values(problem, model.causes, model.fit.by_label(), model.discrepancy)
     local = replace(problem, base=base)
@@ -71,12 +85,12 @@ def expand_about(
     own_columns = tuple(range(len(changes)))
     strengths: dict[str, tuple[int, ...]] = {}
     forms: dict[str, tuple[int, ...]] = {}
-    tried: dict[str, list[tuple[dict[str, float], tuple[int, ...]]]] = {}
+    tried: TriedForms = {}
     frees: list[Free] = list(model.fit.free)
     for candidate in problem.candidates if candidates is None else candidates:
         if candidate.name in model.causes:
             continue
-        for values in _forms_to_try(system, candidate):
+        for values in _forms_to_try(problem, candidate):
             offsets = {system.slot[n]: v - parameter_of(system, Free(n)).start
                        for n, v in values.items()}  # fmt: skip
             first = len(changes)
@@ -99,7 +113,7 @@ def expand_about(
     hessian, gradient = _form_differences(normal.hessian, normal.gradient, strengths, forms)
     whole = Expansion(model, hessian, gradient, normal.log_likelihood, own_columns, strengths,
                       forms, forces=forces_in_set(problem, model))  # fmt: skip
-    return _likeliest_forms(whole, tried)
+    return whole, tried
 
 
 def _trial_products(
@@ -125,13 +139,21 @@ def _trial_products(
     return Normal(hessian, gradient, likelihood)
 
 
-def _forms_to_try(system: System, candidate: Candidate) -> list[dict[str, float]]:
-    """Forms (label -> value) from which a candidate may begin: the leading one, and, of a residual
-    term with a form of its own, its tries.
+def _forms_to_try(problem: Problem, candidate: Candidate) -> list[dict[str, float]]:
+    """Forms (label -> value) from which a candidate may begin, the leading one first: the tries of
+    a residual term, the named forms of a cause. A cause whose strength is 0 only within a tolerance
+    keeps its leading form, which the tolerance is stated for.
     """
+    system = problem.kernel.system
     rows = [(f.label, parameter_of(system, f)) for f in candidate.forms]
+    if not candidate.is_residual:
+        if any(f.name in problem.tolerances for f in candidate.strengths):
+            return [{}]
+        named = system.effect(candidate.name).forms.values()
+        return [{}, *({f"{candidate.name}.{k}": v for k, v in form.items()}
+                      for form in named if form)]  # fmt: skip
     tries = [(label, p.tries) for label, p in rows if p.tries]
-    if not candidate.is_residual or not tries:
+    if not tries:
         return [{}]
     leading = {label: p.start for label, p in rows if p.tries}
     further = [dict(zip(leading, values, strict=True))
@@ -139,10 +161,10 @@ def _forms_to_try(system: System, candidate: Candidate) -> list[dict[str, float]
     return [leading, *(form for form in further if form != leading)]
 
 
-def _likeliest_forms(
-    whole: Expansion, tried: Mapping[str, list[tuple[dict[str, float], tuple[int, ...]]]]
-) -> Expansion:
-    """The expansion with the columns of the likeliest form alone of what has several."""
+def likeliest_forms(problem: Problem, whole: Expansion, tried: TriedForms) -> Expansion:
+    """The expansion with the columns of the likeliest form alone of what has several; a form that
+    asks for an impossible sign of the strength is unlikely.
+    """
     if not whole.usable:
         return whole
     H, g, own = whole.hessian.sum(axis=0), whole.gradient.sum(axis=0), list(whole.own)
@@ -150,7 +172,10 @@ def _likeliest_forms(
     unused: set[int] = set()
     for name, forms in tried.items():
         if len(forms) > 1:
-            form, best = max(forms, key=lambda f: _misfit_reduction(H, g, own, list(f[1])))
+            signed = has_single_sign(problem.kernel.system, problem.by_name[name])
+            gains = [_misfit_reduction(H, g, own, list(columns), signed=signed)
+                     for _, columns in forms]  # fmt: skip
+            form, best = forms[int(np.argmax(gains))]
             strengths[name], starts[name] = best, form
             unused |= {i for _, columns in forms for i in columns} - set(best)
     keep = [i for i in range(len(g)) if i not in unused]
@@ -176,9 +201,15 @@ def likely_strengths(problem: Problem, expansion: Expansion, cause: str) -> dict
             if p.lower < value < p.upper and value != 0}  # fmt: skip
 
 
-def _misfit_reduction(H: Float, g: Float, own: list[int], columns: list[int]) -> float:
-    """Fall of the misfit by the columns when the set's own numbers are fitted with them."""
+def _misfit_reduction(
+    H: Float, g: Float, own: list[int], columns: list[int], *, signed: bool
+) -> float:
+    """Fall of the misfit by the columns when the set's own numbers are fitted with them; signed: 0
+    where a column's best value is negative.
+    """
     both = [*own, *columns]
+    if signed and _newton_step(H, g, both)[-1] < 0:
+        return 0.0
     return float(_quadratic_reduction(H, g, both) - _quadratic_reduction(H, g, own))
 
 

@@ -6,42 +6,18 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-import numpy as np
-
-from ..fitting import Z_95
 from .candidates import Candidate
+from .named_cause import CREDIBLE_SET_PROBABILITY, NamedCause
 from .posterior import Posterior
+from .refit import FittedSet
 from .set_score import ScoredSet
+from .significance import insignificant_causes, strength_estimates
 
 MIN_NAMED_PROBABILITY = 0.5
 """A cause is named where it is more probable than not (the median probability model: Barbieri and
 Berger, Ann. Statist. 32 (2004), 870)."""
-CREDIBLE_SET_PROBABILITY = 0.9
-"""Probability that a credible set holds the cause, and from which one of several alternatives is
-taken to act."""
 UNEXPLAINED = "unexplained"
 ReportedModel = TypeVar("ReportedModel")
-
-
-@dataclass(frozen=True)
-class NamedCause:
-    """A named cause: probability that it acts, and others that may act in its place."""
-
-    name: str
-    probability: float
-    alternatives: Mapping[str, float]
-
-    @property
-    def credible_set(self) -> list[str]:
-        """The fewest causes of the place, the most probable first, that hold 90 % of it."""
-        place = {self.name: self.probability, **self.alternatives}
-        total, out, held = sum(place.values()), [], 0.0
-        for name in sorted(place, key=lambda n: -place[n]):
-            out.append(name)
-            held += place[name]
-            if held >= CREDIBLE_SET_PROBABILITY * total:
-                break
-        return out
 
 
 @dataclass(frozen=True)
@@ -115,51 +91,25 @@ def best_set(
 
 def choose_causes(
     found: Posterior, candidates: Mapping[str, Candidate],
-    fit: Callable[[ScoredSet], tuple[ReportedModel, Mapping[str, tuple[float, float]]]],
+    fit: Callable[[ScoredSet], tuple[ReportedModel, FittedSet]],
 ) -> ChosenCauses[ReportedModel]:  # fmt: skip
     """`ChosenCauses` of a posterior.
 
-    fit: the model of a set as it is reported, and its parameters: value and standard deviation (NaN
-    if unknown) by label.
+    fit: the model of a set as it is reported, and the fit that its strengths are judged by.
     """
     named, unexplained = named_causes(found, candidates)
     left_out: list[NamedCause] = []
     while True:
         names = [c.name for c in named]
         best = best_set(found, names, unexplained > MIN_NAMED_PROBABILITY, candidates)
-        model, estimates = fit(best)
-        insignificant = insignificant_causes(named, candidates, estimates)
+        model, fitted = fit(best)
+        insignificant = insignificant_causes(
+            named, candidates, strength_estimates(fitted, candidates)
+        )
         if not insignificant:
             return ChosenCauses(named, left_out, unexplained, best, model)
         left_out += insignificant
         named = [c for c in named if c not in insignificant]
-
-
-def insignificant_causes(
-    named: Sequence[NamedCause], candidates: Mapping[str, Candidate],
-    estimates: Mapping[str, tuple[float, float]],
-) -> list[NamedCause]:  # fmt: skip
-    """Causes none of whose strengths differs from 0 at the 5 % level, by the variation between
-    trials.
-
-    The evidence counts what a cause adds to the fit. If the trials do not agree that it acts, it
-    describes a difference between them. estimates: value and standard deviation (NaN if unknown)
-    by label.
-    """
-
-    def may_be_zero(label: str) -> bool:
-        value, std = estimates.get(label, (np.nan, np.nan))
-        return value == 0 or bool(abs(value) < Z_95 * std)
-
-    return [c for c in named if all(may_be_zero(f.label) for f in candidates[c.name].strengths)]
-
-
-def insignificance_sentence(cause: NamedCause) -> str:
-    """Why a probable cause is not named."""
-    return (
-        f"{cause.name} improves the fit (probability {cause.probability:.2f}), but none of its "
-        "strengths differs significantly from 0 by the variation between trials. It is not named."
-    )
 
 
 def log_evidence_gain(sets: Sequence[ScoredSet], best: ScoredSet, name: str) -> float:

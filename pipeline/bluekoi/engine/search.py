@@ -17,8 +17,15 @@ import numpy as np
 
 from .candidates import Candidate
 from .evidence import evidence_with_shares, log_prior, most_probable_shares
-from .expansion import Expansion, expand_about, likely_strengths
+from .expansion import (
+    Expansion,
+    expand_about,
+    expand_in_all_forms,
+    likeliest_forms,
+    likely_strengths,
+)
 from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FittedSets
+from .near_copies import near_copies
 from .own_noise import fit_own_noise, is_likelier_under, small_force_noise
 from .problem import MAX_SEARCH_TRIALS, Problem
 from .refit import FittedSet, fit_again, fit_set, strength_starts
@@ -69,11 +76,14 @@ def ranked_proposals(
 
 
 def allowed_candidates(problem: Problem, causes: Sequence[str]) -> list[Candidate]:
-    """Candidates beside a set: residual terms that are part of a cause's form are not."""
+    """Candidates beside a set: residual terms that are part of a cause's form are not, nor those
+    that a listed cause describes.
+    """
     sources = {s for c in causes if not problem.by_name[c].is_residual
                for s in problem.by_name[c].sources}  # fmt: skip
     return [c for c in problem.candidates
-            if c.name not in causes and not (c.is_residual and c.sources & sources)]  # fmt: skip
+            if c.name not in causes and c.name not in problem.copies
+            and not (c.is_residual and c.sources & sources)]  # fmt: skip
 
 
 def search_sets(problem: Problem, start: dict[str, float] | None = None) -> FittedSets:
@@ -126,10 +136,12 @@ def _search_on_trials(problem: Problem, start: dict[str, float]) -> FittedSets:
     Raises: LinAlgError where the model without causes has no finite fit.
     """
     first = fit_own_noise(problem, fit_set(problem, (), problem.noise, start))
-    expansion = expand_about(problem, first)
-    if not expansion.usable:
+    whole, tried = expand_in_all_forms(problem, first)
+    if not whole.usable:
         raise np.linalg.LinAlgError("the model without causes runs away")
-    problem = replace(problem, residual_sizes=plausible_residual_magnitudes(problem, expansion))
+    expansion = likeliest_forms(problem, whole, tried)
+    problem = replace(problem, copies=near_copies(problem, whole, tried),
+                      residual_sizes=plausible_residual_magnitudes(problem, expansion))  # fmt: skip
     visited = FittedSets(problem)
     visited.sets[frozenset()] = score_set(problem, first)
     visited.full[frozenset()] = expansion

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..fitting import cov_hc2
+from .candidates import parameter_of
 from .evidence import discrepancy_at_best, log_evidence, log_prior
 from .expansion import Expansion, expand_about
 from .own_noise import MAX_NOISE_ROUNDS, fit_own_noise
@@ -59,28 +61,40 @@ class ScoredSet:
 def with_discrepancy(
     problem: Problem, scored: ScoredSet, *, most: int = MAX_NOISE_ROUNDS
 ) -> ScoredSet:
-    """A set fitted together with what its causes' formulas leave, where that fits better: such a
-    remainder is not random. most: rounds of noise and numbers.
+    """A set fitted together with what its causes' formulas leave: such a remainder is not random.
+    most: rounds of noise and numbers.
+
+    The fit begins at the discrepancy that the expansion predicts. Where it ends at a poorer fit, it
+    is repeated from the discrepancy as it was. If that is no better either, the fit without it is
+    taken as the optimum: a gain that the expansion predicts and no fit reaches is not evidence.
     """
     if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
         return scored
-    left = discrepancy_at_best(problem, scored.expansion, scored.layout)
+    best = discrepancy_at_best(problem, scored.expansion, scored.layout)
     known = scored.model.deviations
-    if not left or not np.isfinite(list(left.values())).all():
+    if not best or not np.isfinite(list(best.values())).all():
         return scored
-    stds = {label: std for label, (_, std) in left.items()}
+    stds = {label: std for label, (_, std) in best.items()}
     same = stds.keys() == known.keys()
     if same and all(
         abs(np.log(std / known[label])) < MAX_LOG_STD_CHANGE for label, std in stds.items()
     ):
         return scored
-    model = scored.model
-    again = fit_again(problem, model, model.noise, deviations=stds,
-                      discrepancy={k: v for k, (v, _) in left.items()})  # fmt: skip
-    if not again.usable:
-        return scored
-    other = score_set(problem, fit_own_noise(problem, again, most=most, two_starts=False))
-    return max(scored, other, key=lambda s: s.log_joint)
+
+    def fitted_from(discrepancy: Mapping[str, float]) -> ScoredSet | None:
+        model = fit_again(problem, scored.model, scored.model.noise, deviations=stds,
+                          discrepancy=discrepancy)  # fmt: skip
+        if not model.usable:
+            return None
+        return score_set(problem, fit_own_noise(problem, model, most=most, two_starts=False))
+
+    found = fitted_from({label: value for label, (value, _) in best.items()})
+    if found is None or found.log_joint < scored.log_joint:
+        found = fitted_from({label: scored.model.discrepancy.get(label, 0.0) for label in stds})
+    if found is not None and found.log_joint >= scored.log_joint:
+        return found
+    held = {label: scored.model.discrepancy.get(label, 0.0) for label in stds}
+    return score_set(problem, replace(scored.model, deviations=stds, discrepancy=held))
 
 
 def score_set(problem: Problem, model: FittedSet) -> ScoredSet:
@@ -95,15 +109,19 @@ def score_set(problem: Problem, model: FittedSet) -> ScoredSet:
 
 
 def at_optimum(problem: Problem, expansion: Expansion) -> Expansion:
-    """An expansion whose gradient is that of an optimum: 0 in the fitted numbers, and in the fitted
-    discrepancy what its prior balances.
+    """An expansion whose gradient is that of an optimum: 0 in the fitted numbers, of those at a
+    bound no slope away from it, and in the fitted discrepancy what its prior balances.
 
     With the filter's gains held, the likelihood has a slope that no refit follows, since the gains
     and the innovations' covariance would go along. Evidence extrapolated along it is not real.
     """
     model = expansion.model
     gradient = expansion.gradient.copy()
-    wanted = {k: 0.0 for k, held in enumerate(model.at_bound) if not held}
+    slopes = gradient.sum(axis=0)
+    wanted = {}
+    for k, (free, held) in enumerate(zip(model.fit.free, model.at_bound, strict=True)):
+        low = model.fit.values[k] <= parameter_of(problem.kernel.system, free).lower
+        wanted[k] = min(slopes[k] * (1 if low else -1), 0.0) * (1 if low else -1) if held else 0.0
     for name, columns in expansion.strengths.items():
         for free, column in zip(problem.by_name[name].strengths, columns, strict=True):
             if free.label in model.deviations:

@@ -154,11 +154,11 @@ def explain(
 
 def _fit_named(
     problem: Problem, best: ScoredSet
-) -> tuple[tuple[FittedSet, list[Number]], dict[str, tuple[float, float]]]:
-    """A set by its formulas alone with its numbers, and their values and standard deviations."""
+) -> tuple[tuple[FittedSet, list[Number]], FittedSet]:
+    """A set by its formulas alone with its numbers, and its fit."""
     final = fit_without_discrepancy(problem, best.model)
     own = fitted_numbers(problem.kernel, final)
-    return (final, own), {n.label: (n.value, n.std) for n in own}
+    return (final, own), final
 
 
 def fit_without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:

@@ -76,7 +76,10 @@ class Effect:
     own, all starting at 0, with `rates` giving their derivatives. evidence: names of side
     measurements -> parameter -> how many times that they change by, or a function of parameters,
     asked for as by hooks, that predicts them. starts: strengths from which fits begin, where one
-    start may lead astray.
+    start may lead astray. forms: name of a form -> values of the shape parameters that give it,
+    where they differ from their starts: published formulas, and scales such as a short lag. A
+    search tries each of them. The prior of a shape parameter is so wide that every form lies within
+    its 95 % interval, two standard deviations from the start.
     """
 
     name: str
@@ -94,6 +97,7 @@ class Effect:
     regime: str = ""
     strengths: int = 1
     starts: tuple[float, ...] = ()
+    forms: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     @cached_property
     def informs(self) -> dict[str, tuple[str, ...]]:
@@ -243,4 +247,5 @@ def effect_from_module(module: ModuleType, stages: tuple[Stage, ...]) -> Effect:
         regime=getattr(module, "REGIME", ""),
         strengths=getattr(module, "STRENGTHS", 1),
         starts=tuple(getattr(module, "STARTS", ())),
+        forms=dict(getattr(module, "FORMS", {})),
     )

@@ -1,7 +1,9 @@
 """A wrong frame rate.
 
-With the recorded time t, the true time runs 1 + k (1 + d (t - 3 s) / 3 s) times as fast as t. k is
-the error of the frame rate. d is the drift of an unsteady clock.
+With the recorded time t, the true time runs 1 + p k (1 + d (t - 3 s) / 3 s) times as fast as t.
+k is the error of the frame rate. d is the drift of an unsteady clock. Where the tail beat in the
+video, compared with the motor log, shows that the frame rate of only some trials is wrong, the
+error acts in these trials alone (p = 1, else 0).
 
 Source: own statement (30 for 29.97, or a frame rate typed in wrongly).
 """
@@ -20,10 +22,14 @@ PARAMETERS = (
     Parameter("rate_error", "1", 0.01, -0.6, 1.5, "share by which true time runs faster",
               symbol="k"),
     Parameter("drift", "1", 0.0, -1.0, 1.0, "change of the error in 3 s, as a share of it",
-              spread=0.2, symbol="d"),
+              spread=0.5, symbol="d"),
 )  # fmt: skip
+FORMS = {
+    "constant": {},
+    "growing": {"drift": 1.0},
+}
 
 
-def clock(t: float, k: float, d: float) -> tuple[float]:
+def clock(t: float, clock_part: float, k: float, d: float) -> tuple[float]:
     """Change of the rate of true time."""
-    return (k * (1.0 + d * (t - 3.0) / 3.0),)
+    return (clock_part * k * (1.0 + d * (t - 3.0) / 3.0),)

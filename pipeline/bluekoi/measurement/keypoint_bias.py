@@ -33,6 +33,10 @@ PARAMETERS = (
     Parameter("head_angle_share", "1", 0.0, 0.0, 1.0, "part in proportion to the turned head",
               spread=0.5, symbol="w"),
 )  # fmt: skip
+FORMS = {
+    "constant": {},
+    "with the head angle": {"head_angle_share": 1.0},
+}
 
 
 def observe(

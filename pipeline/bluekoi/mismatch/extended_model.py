@@ -19,14 +19,14 @@ Estimates = dict[str, tuple[float, float]]
 
 def fit_extended(
     problem: Problem, train: Sequence[Series], baseline: JointFit, best: ScoredSet
-) -> tuple[Models, Estimates]:
-    """Models and estimates of a set of causes; train: the trials that are fitted, at the rate of
-    the fit. Without causes the model with covariances is the baseline.
+) -> tuple[Models, FittedSet]:
+    """Models of a set of causes and the fit of the first; train: the trials that are fitted, at the
+    rate of the fit. Without causes the model with covariances is the baseline.
     """
     model = without_discrepancy(replace(problem, series=tuple(train)), best.model)
     model = model if model.usable else without_discrepancy(problem, best.model)
     extended = with_between_trial_covariance(baseline, model) if best.causes else baseline
-    return (model, extended), estimates(extended)
+    return (model, extended), model
 
 
 def estimates(model: JointFit) -> Estimates:

@@ -52,8 +52,9 @@ def robot_problem(
     """`Problem` of a campaign.
 
     displaced: camera displacements found; only with them is `camera_shift` a candidate. Their
-    moments were chosen from many, which lowers its prior probability. by_homography: whether the
-    camera has no matrix, so that the keypoints' depth is not corrected.
+    moments were chosen from many, which lowers its prior probability, as that of a wrong clock in
+    some trials, which were split at one of as many places as there are trials. by_homography:
+    whether the camera has no matrix, so that the keypoints' depth is not corrected.
     """
     system = kernel.system
     names = [e.name for e in system.effects
@@ -61,7 +62,10 @@ def robot_problem(
     odds = PRIORS.cause * np.exp(
         -TAIL_FACTOR * sum(np.log(len(series) * d.moments) for d in displaced)
     )
-    priors = replace(PRIORS, likely={**(PRIORS.likely or {}), CAMERA_SHIFT_EFFECT: float(odds)})
+    likely = {**(PRIORS.likely or {}), CAMERA_SHIFT_EFFECT: float(odds)}
+    if any(s.constants[system.constants.index("clock_part")] == 0 for s in series):
+        likely["clock_error"] = PRIORS.cause / len(series)
+    priors = replace(PRIORS, likely=likely)
     return Problem(
         kernel=kernel,
         series=tuple(series),

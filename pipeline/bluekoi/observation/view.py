@@ -20,6 +20,7 @@ class View:
     `camera.error_displacement.CameraErrorConstants`. t_shift: time from which the camera is
     displaced (s). x_shift, y_shift: displacement beside that of the most clearly displaced trial
     (1, as a complex number). ahead: distance of the observed nose from the core's centre (m).
+    clock_part: share of an error of the frame rate that the trial has.
     """
 
     x_cam: float = 0.0
@@ -34,6 +35,7 @@ class View:
     x_shift: float = 1.0
     y_shift: float = 0.0
     ahead: float = 0.0
+    clock_part: float = 1.0
 
 
 def constant_names() -> tuple[str, ...]:

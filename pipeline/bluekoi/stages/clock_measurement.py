@@ -16,6 +16,7 @@ import numpy as np
 
 from ..data import Flapping, Float
 from ..fitting import Series
+from ..model import plates
 from .clock_factor import CLOCK_STD_SHARE
 
 STATED_FREQUENCY_STD_SHARE = (
@@ -24,6 +25,11 @@ STATED_FREQUENCY_STD_SHARE = (
 UNCHECKED_FRAME_RATE_STD_SHARE = (
     0.05  # ASSUME a frame rate that no tail beat checks is right to 5 %
 )
+CLOCK_PART = "clock_part"
+PRIOR_OF_PART = 0.03
+"""Probability that the clock of some trials is wrong, as of any other cause."""
+MIN_TRIALS_TO_SPLIT = 4
+"""Trials without which no part of them stands apart: two and two."""
 MAX_DISTINCT_SHARE = 0.5
 """Stated frequencies were not measured trial by trial where at most so many of them differ."""
 
@@ -46,8 +52,14 @@ def with_clock_measurement(
     found = [beats[s.name] for s in seen]
     ratio = np.array([b.video_hz / b.flap_hz - 1 for b in found])
     own: Float = np.nan_to_num(np.array([b.video_hz_std / b.flap_hz for b in found]))
-    within, between = variance_components(ratio, own**2, [s.group for s in seen])
-    shared = between + (STATED_FREQUENCY_STD_SHARE**2 if _stated_for_several(found) else 0.0)
+    stated = _stated_for_several(found)
+    groups = [s.group for s in seen]
+    floor = np.hypot(own, CLOCK_STD_SHARE)
+    wrong = None if stated else part_with_wrong_clock(ratio, floor, groups)
+    if wrong is not None:
+        return _with_clock_of_part(series, [s.name for s in seen], ratio, own, wrong)
+    within, between = variance_components(ratio, own**2, groups)
+    shared = between + (STATED_FREQUENCY_STD_SHARE**2 if stated else 0.0)
     std = np.sqrt(CLOCK_STD_SHARE**2 + own**2 + within + len(ratio) * shared)
     evidence = {s.name: (float(r), float(d)) for s, r, d in zip(seen, ratio, std, strict=True)}
     return [
@@ -55,6 +67,65 @@ def with_clock_measurement(
         if s.name in evidence else s
         for s in series
     ]  # fmt: skip
+
+
+def part_with_wrong_clock(ratio: Float, std: Float, groups: Sequence[str]) -> np.ndarray | None:
+    """Which trials have a wrong clock (n,), by their ratios less 1 and the standard deviations of
+    these; None unless a part of them stands apart. A part that holds all trials of its powers
+    (groups) does not: a supply that sags under load has the same ratios.
+
+    The trials are split between two of their sorted ratios, where the variance about the two means
+    is smallest. With S_1 and S_2, the sums of squares without and with the split, the odds are
+
+        PRIOR_OF_PART / n (S_1 / S_2 (1 - 2 / pi))^(n / 2)
+
+    since the best split of normally distributed ratios leaves 1 - 2 / pi of their variance, and
+    there are n places to split. The part whose mean is farther from 1 is the wrong one.
+    """
+    n, order = len(ratio), np.argsort(ratio)
+    if n < MIN_TRIALS_TO_SPLIT:
+        return None
+
+    def squares(parts: list[np.ndarray]) -> float:
+        own = sum(float(np.sum((ratio[p] - ratio[p].mean()) ** 2)) for p in parts)
+        return own + float(np.sum(std**2))
+
+    splits = [[order[:k], order[k:]] for k in range(1, n)]
+    best = min(splits, key=squares)
+    shrinkage = squares([order]) / squares(best) * (1.0 - 2.0 / np.pi)
+    if PRIOR_OF_PART / n * shrinkage ** (n / 2) < 1.0:
+        return None
+    wrong = np.zeros(n, dtype=bool)
+    wrong[max(best, key=lambda part: abs(ratio[part].mean()))] = True
+    apart = {g for g, bad in zip(groups, wrong, strict=True) if bad}
+    together = {g for g, bad in zip(groups, wrong, strict=True) if not bad}
+    return wrong if apart & together else None
+
+
+def trials_with_wrong_clock(series: Sequence[Series]) -> list[str]:
+    """Names of the trials whose clock alone may be wrong; empty where it is that of all."""
+    place = plates().constants.index(CLOCK_PART)
+    part = [s.name for s in series if s.constants[place] == 1]
+    return part if len(part) < len(series) else []
+
+
+def _with_clock_of_part(
+    series: Sequence[Series], seen: Sequence[str], ratio: Float, own: Float, wrong: np.ndarray
+) -> list[Series]:
+    """Series of which those that stand apart have the error of the clock, and their ratios as
+    evidence on it.
+    """
+    scatter = float(np.var(ratio[wrong], ddof=1)) if wrong.sum() > 1 else 0.0
+    std = np.sqrt(CLOCK_STD_SHARE**2 + np.maximum(own**2, scatter))
+    known = {name: (float(r), float(d))
+             for name, r, d, bad in zip(seen, ratio, std, wrong, strict=True) if bad}  # fmt: skip
+    place, out = plates().constants.index(CLOCK_PART), []
+    for one in series:
+        constants = one.constants.copy()
+        constants[place] = float(one.name in known)
+        evidence = {"clock_ratio": known[one.name]} if one.name in known else {}
+        out.append(replace(one, constants=constants, evidence=one.evidence | evidence))
+    return out
 
 
 def variance_components(

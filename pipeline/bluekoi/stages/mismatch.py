@@ -28,8 +28,8 @@ from ..motor import log_lead_from_beat_phases
 from ..study import Setup, Study, load_study
 from ..study.data_split import held_out_trials
 from ..tuning import downsampled
-from .clock_factor import correct_clock, with_clock_cause
-from .clock_measurement import with_clock_measurement
+from .clock_factor import CLOCK_CAUSE, correct_clock, with_clock_cause
+from .clock_measurement import trials_with_wrong_clock, with_clock_measurement
 from .compiling import load_model_with_effects as preload
 from .layout import Layout, remove_files
 from .status import has_measured_lengths, with_numerical_failures_explained
@@ -83,6 +83,8 @@ def mismatch(study: Path, results: Path) -> None:
     for cause in content["causes"]:
         if cause["name"] in laws:
             cause["law"] = laws[cause["name"]]
+        if cause["name"] == CLOCK_CAUSE and (part := trials_with_wrong_clock(series)):
+            cause["regime"] = f"trials {', '.join(part)}"
     write_json(Layout(results).mismatch, with_clock_cause(content, factors, len(series)))
 
 

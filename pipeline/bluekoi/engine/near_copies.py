@@ -1,0 +1,48 @@
+"""Residual terms that a listed cause already describes.
+
+A residual term stands for a force that no listed cause describes. Where a named form of a cause
+has nearly the same force, in the same channel and as a function of the same variable, the trials
+cannot tell the two apart, and the term would only take the place of the cause. With j the
+sensitivities of the predictions to the term and i those to the form, both after the best fit of the
+model's coefficients, the form explains the share
+
+    R^2 = P_ij^2 / (P_ii P_jj),   P = H - H_c (H_cc)^-1 H_c'
+
+of the information on the term (H: information matrix, c: coefficients).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data import Float
+from .expansion import Expansion, TriedForms
+from .problem import Problem
+
+MIN_COPY_SHARE = 0.9
+"""R^2 above which a term is a copy of a form: a force that is z standard errors strong differs from
+the form by less than a third of z."""
+
+
+def near_copies(problem: Problem, whole: Expansion, tried: TriedForms) -> frozenset[str]:
+    """Residual terms that a form of a listed cause describes; tried: forms of all candidates."""
+    P = _beside_coefficients(whole.hessian.sum(axis=0), list(whole.own))
+    listed = [(problem.by_name[name], columns) for name, forms in tried.items()
+              if not problem.by_name[name].is_residual for _, columns in forms]  # fmt: skip
+    out = set()
+    for name, forms in tried.items():
+        term = problem.by_name[name]
+        if term.is_residual and len(forms) == 1 and len(forms[0][1]) == 1:
+            (i,) = forms[0][1]
+            own = [j for cause, columns in listed if cause.sources & term.sources for j in columns]
+            if any(P[i, j] ** 2 > MIN_COPY_SHARE * P[i, i] * P[j, j] for j in own):
+                out.add(name)
+    return frozenset(out)
+
+
+def _beside_coefficients(H: Float, own: list[int]) -> Float:
+    """Information matrix after the best fit of the numbers in the columns `own`; positive."""
+    P: Float = H - H[:, own] @ np.linalg.pinv(H[np.ix_(own, own)]) @ H[own, :]
+    empty = np.diag(P) <= 1e-9 * np.diag(H)  # what the coefficients take up entirely
+    P[empty], P[:, empty] = 0.0, 0.0
+    return P

@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from bluekoi.cli import main
+from bluekoi.engine import strength_estimates
 from bluekoi.errors import InputError
 from bluekoi.explain import (
     Cause,
@@ -29,7 +30,6 @@ from bluekoi.explain import (
     read_trials,
 )
 from bluekoi.explain.checks import checked_model
-from bluekoi.explain.numbers import fitted_numbers
 from bluekoi.explain.results_json import verdict_sentence
 from bluekoi.explain.sampling import averaged_to_rate
 from bluekoi.explain.system_assembly import assemble_system
@@ -111,13 +111,11 @@ def test_a_complete_model_has_no_cause(cart_model):
 def test_a_probable_cause_on_whose_size_the_trials_do_not_agree_is_not_named(
     cart_model, monkeypatch
 ):
-    def wide(kernel, model):
-        return [
-            replace(n, std=10.0) if n.label == "current.c" else n
-            for n in fitted_numbers(kernel, model)
-        ]
+    def wide(model, candidates):
+        found = strength_estimates(model, candidates)
+        return {k: (v, 10.0 if k == "current.c" else std) for k, (v, std) in found.items()}
 
-    monkeypatch.setattr("bluekoi.explain.cause_search.fitted_numbers", wide)
+    monkeypatch.setattr("bluekoi.engine.naming.strength_estimates", wide)
     found = explain(cart_model, simulated_runs(drag=0.8, current=0.1), without=["spring"])
     assert [c.name for c in found.named] == ["quadratic_drag"]
     assert "current improves the fit" in found.warnings[0]

@@ -2,13 +2,13 @@
 
 A residual term stands for a force that no listed cause describes. Where a named form of a cause
 has nearly the same force, in the same channel and as a function of the same variable, the trials
-cannot tell the two apart, and the term would only take the place of the cause. With j the
-sensitivities of the predictions to the term and i those to the form, both after the best fit of the
-model's coefficients, the form explains the share
+cannot tell the two apart, and the term would only take the place of the cause. With H, the
+information matrix of the trials in the coefficients c of the model, the term i and the strength j
+of the form, the form explains the share
 
     R^2 = P_ij^2 / (P_ii P_jj),   P = H - H_c (H_cc)^-1 H_c'
 
-of the information on the term (H: information matrix, c: coefficients).
+of the information on the term that is left after the best fit of the coefficients.
 """
 
 from __future__ import annotations

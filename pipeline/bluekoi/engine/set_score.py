@@ -120,8 +120,8 @@ def at_optimum(problem: Problem, expansion: Expansion) -> Expansion:
     slopes = gradient.sum(axis=0)
     wanted = {}
     for k, (free, held) in enumerate(zip(model.fit.free, model.at_bound, strict=True)):
-        low = model.fit.values[k] <= parameter_of(problem.kernel.system, free).lower
-        wanted[k] = min(slopes[k] * (1 if low else -1), 0.0) * (1 if low else -1) if held else 0.0
+        inward = 1 if model.fit.values[k] <= parameter_of(problem.kernel.system, free).lower else -1
+        wanted[k] = inward * min(inward * slopes[k], 0.0) if held else 0.0
     for name, columns in expansion.strengths.items():
         for free, column in zip(problem.by_name[name].strengths, columns, strict=True):
             if free.label in model.deviations:

@@ -30,9 +30,9 @@ from bluekoi.engine import (
     set_score,
     strength_estimates,
 )
+from bluekoi.engine.collinear_terms import collinear_terms
 from bluekoi.engine.evidence import laplace_evidence, log_evidence
 from bluekoi.engine.expansion import expand_in_all_forms, likely_strengths
-from bluekoi.engine.near_copies import near_copies
 from bluekoi.engine.own_noise import SMALL_FORCE_CORRELATION_TIME_S, SMALL_FORCE_SHARE
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
 from bluekoi.engine.set_columns import Layout
@@ -465,7 +465,7 @@ def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> No
     assert found.log_posterior < scored.log_posterior
 
 
-def test_a_residual_term_that_a_cause_describes_is_no_candidate_of_its_own() -> None:
+def test_a_residual_term_collinear_with_a_cause_is_no_candidate_of_its_own() -> None:
     """v |v| in the channel and variable of the drag is the drag; a constant force is not."""
     source = frozenset({("surge", "speed")})
     copy = _effect("copy", quadratic_drag, Parameter("k", "1/m", 0.5, -20.0, 20.0, ""))
@@ -479,7 +479,7 @@ def test_a_residual_term_that_a_cause_describes_is_no_candidate_of_its_own() -> 
         replace(force, **residual), replace(twin, **residual)),
     )  # fmt: skip
     bare = fit_set(problem, (), problem.noise, {})
-    assert near_copies(problem, *expand_in_all_forms(problem, bare)) == {"copy"}
+    assert collinear_terms(problem, *expand_in_all_forms(problem, bare)) == {"copy"}
     visited = search_sets(problem)
     assert visited.best.causes == ("quadratic_drag",)
     assert not any("copy" in key for key in visited.sets)

@@ -38,12 +38,12 @@ from bluekoi.mismatch.next_trial import disagreement_text
 from bluekoi.mismatch.results_json import details_json, mismatch_json
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.mismatch.sentences import verdict_sentence
+from bluekoi.mismatch.wrong_clock import trials_with_wrong_clock
 from bluekoi.model import plates
 from bluekoi.pose import rigid_pose
 from bluekoi.stages.clock_factor import CLOCK_STD_SHARE
 from bluekoi.stages.clock_measurement import (
     STATED_FREQUENCY_STD_SHARE,
-    trials_with_wrong_clock,
     variance_components,
     with_clock_measurement,
 )

@@ -25,7 +25,7 @@ class ScoredStudy:
 
     An unlisted force counts as the true name `unexplained`. said: name -> probability of all causes
     in mismatch.json; alternatives: rival name -> probability; probabilities: those of every
-    candidate, where the verdict states them.
+    candidate, where the verdict states them. credible_sets: that of each named cause.
     """
 
     study: str
@@ -43,6 +43,7 @@ class ScoredStudy:
     where: Sequence[Mapping[str, Any]]
     unlisted: Mapping[str, Any] | None
     failure: str
+    credible_sets: Sequence[Sequence[str]] = ()
 
     @property
     def strict(self) -> bool:
@@ -91,6 +92,7 @@ def _score_study(directory: Path, name: str, path: Path) -> ScoredStudy:
         verdict=reported.get("verdict", "failed"), cpu_s=found["cpu_s"],
         held_out=reported.get("held_out", {}), where=reported.get("where", ()),
         unlisted=unlisted, failure=found["failure"],
+        credible_sets=[c.get("credible_set", [c["name"]]) for c in reported.get("causes", ())],
     )  # fmt: skip
 
 
@@ -131,6 +133,7 @@ def summary(studies: Sequence[ScoredStudy]) -> dict[str, Any]:
         "extra_name": hits_with_interval(list(studies), lambda s: bool(s.extra)),
         "needless_unexplained": hits_with_interval(list(studies), lambda s: s.needless_unexplained),
         "calibration": calibration_bins(studies),
+        "credible_sets": credible_set_coverage(studies),
         "cpu_s": {"median": float(np.median([s.cpu_s for s in studies])),
                   "worst": max(s.cpu_s for s in studies)} if studies else {},
         "failures": [s.study for s in studies if s.failure],
@@ -149,6 +152,13 @@ def calibration_bins(studies: Sequence[ScoredStudy]) -> list[dict[str, Any]]:
             out.append({"from": float(low), "to": float(high), "mean": mean, "true": hits,
                         "count": count, "interval_95": clopper_pearson(hits, count)})  # fmt: skip
     return out
+
+
+def credible_set_coverage(studies: Sequence[ScoredStudy]) -> dict[str, Any]:
+    """How many credible sets hold a hidden cause; they state `CREDIBLE_SET_PROBABILITY`."""
+    held = [bool({*one} & {*s.true}) for s in studies for one in s.credible_sets]
+    interval = clopper_pearson(sum(held), len(held)) if held else None
+    return {"hits": sum(held), "count": len(held), "interval_95": interval}
 
 
 def study_records(studies: Sequence[ScoredStudy]) -> list[dict[str, Any]]:
@@ -173,5 +183,7 @@ def summary_text(result: Mapping[str, Any]) -> str:
         lines.append(
             f"  {one['from']:.1f} to {one['to']:.1f}: {one['true']} of {one['count']} true"
         )
+    sets = result["credible_sets"]
+    lines.append(f"credible sets that hold a hidden cause: {sets['hits']} of {sets['count']}")
     lines.append(f"cpu_s: {result['cpu_s']}  failures: {len(result['failures'])}")
     return "\n".join(lines)

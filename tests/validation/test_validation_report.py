@@ -9,7 +9,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from validation import report
-from validation.scoring import ScoredStudy, calibration_bins
+from validation.scoring import ScoredStudy, calibration_bins, credible_set_coverage
 
 
 def study_record(study, generator, true, said, group="clear", **other):
@@ -125,3 +125,11 @@ def test_a_certain_cause_stands_in_the_last_bin_although_rounded_above_one():
     """Sums of probabilities may exceed 1 by rounding."""
     study = study_record("009", "unseen_water", ["stall"], {"stall": 1.0 + 4e-16})
     assert [(b["from"], b["count"]) for b in calibration_bins([study])] == [(pytest.approx(0.9), 1)]
+
+
+def test_credible_sets_are_counted_that_hold_a_hidden_cause():
+    one = study_record("000", "kirchhoff", ["stall", "sinking"], {}, credible_sets=(
+        ("lift_lag", "stall"), ("sinking",), ("clock_error", "scale_error")))  # fmt: skip
+    found = credible_set_coverage([one, study_record("001", "kirchhoff", [], {})])
+    assert (found["hits"], found["count"]) == (2, 3)
+    assert found["interval_95"] == pytest.approx((0.094, 0.992), abs=0.001)

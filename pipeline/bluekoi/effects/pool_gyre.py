@@ -66,20 +66,22 @@ def water(
     """
     sx, cx = sin_cos(math.pi * x / L_pool)
     sy, cy = sin_cos(math.pi * y / W_pool)
-    s2, c2 = 2.0 * sx * cx, cx * cx - sx * sx  # of 2 pi x / L
-    s, o = sin_cos(psi)
+    s2, c2 = 2.0 * sx * cx, cx * cx - sx * sx  # sine and cosine of 2 pi x / L
+    spsi, cpsi = sin_cos(psi)
+    # X(x) of the stream function X sin(pi y / W), its slope times L / pi, curvature -(L / pi)^2
+    X, slope, curvature = sx + c * (s2 - sx), cx + c * (2.0 * c2 - cx), sx + c * (4.0 * s2 - sx)
     aspect = W_pool / L_pool
-    S, C, R = sx + c * (s2 - sx), cx + c * (2.0 * c2 - cx), sx + c * (4.0 * s2 - sx)
-    stretch, up, right = C * cy / L_pool, S * sy / W_pool, aspect * R * sy / L_pool
-    cell = math.pi * (s * s * up + o * o * right - 2.0 * s * o * stretch)
+    stretch, up = slope * cy / L_pool, X * sy / W_pool
+    right = aspect * curvature * sy / L_pool
+    cell = math.pi * (spsi * spsi * up + cpsi * cpsi * right - 2.0 * spsi * cpsi * stretch)
     dx, dy = x - 0.5 * L_pool, y - 0.5 * W_pool
     e = 1.0 + (dx * dx + dy * dy) / (a * a)
-    rate, along = 2.0 / (a * e), dx * o + dy * s
+    rate, along = 2.0 / (a * e), dx * cpsi + dy * spsi
     vortex = rate - 2.0 * rate / (a * a * e) * along * along
     turning = G * (cell + b * (vortex - cell))
     return (
-        G * (S * cy + b * (-rate * dy - S * cy)),
-        G * (-aspect * C * sy + b * (rate * dx + aspect * C * sy)),
+        G * (X * cy + b * (-rate * dy - X * cy)),
+        G * (-aspect * slope * sy + b * (rate * dx + aspect * slope * sy)),
         g * turning,
         d * turning,
     )

@@ -15,7 +15,8 @@ While the servo moves, the core turns by the share c of the change of the head a
 phi', and the head by the rest. psi is the heading of the core and r the yaw rate. With c = 1 the
 head keeps its direction, as in Eq. 8 of the paper.
 
-Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response).
+Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response)
+and 4.6 (underdamped second-order response).
 """
 
 from __future__ import annotations
@@ -67,8 +68,9 @@ def drive(
     """Change of head angle (rad) and flapping frequency (Hz)."""
     T = tau * (1.0 - q + q * (abs(head_angle) + 1e-3) / 0.7853981633974483)
     late = max(t - t_d, 1e-9) / T
-    s, c = sin_cos(b * late)
-    return -head_angle * k * exponential(-power(late, n)) * (1.0 - w + w * (c + s / b)), 0.0
+    sin_z, cos_z = sin_cos(b * late)
+    swing = 1.0 - w + w * (cos_z + sin_z / b)
+    return -head_angle * k * exponential(-power(late, n)) * swing, 0.0
 
 
 def core_turn_rate(
@@ -80,7 +82,8 @@ def core_turn_rate(
     late = max(t - t_d, 1e-9) / T
     left = power(late, n)
     moving = min(max(1.0 + 1e6 * (t - t_d), 0.0), 1.0)  # 0 until a microsecond before t_d
-    s, o = sin_cos(b * late)
-    swing, change = 1.0 - w + w * (o + s / b), w * (o - b * s)  # S and its slope over time / T
+    sin_z, cos_z = sin_cos(b * late)
+    swing = 1.0 - w + w * (cos_z + sin_z / b)
+    change = w * (cos_z - b * sin_z)  # slope of `swing` over time / T
     slope = left * n / late * swing - change
     return (moving * c * k * head_angle * exponential(-left) * slope / T,)

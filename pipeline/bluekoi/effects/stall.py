@@ -63,14 +63,7 @@ def plate(
 
 
 def force(
-    rho: float,
-    A: float,
-    uh: float,
-    vh: float,
-    C_Ma: float,
-    z_stall: float,
-    k: float,
-    m: float,
+    rho: float, A: float, uh: float, vh: float, C_Ma: float, z_stall: float, k: float, m: float
 ) -> tuple[float, float, float]:
     """Moment taken away (N m)."""
     return 0.0, 0.0, m * k * z_stall * 0.5 * rho * A * C_Ma * 2.0 * uh * vh

@@ -1,4 +1,4 @@
-"""Skin friction of a laminar boundary layer.
+"""Skin friction.
 
 At the speed V, the drag against the direction of motion v_hat is
 
@@ -12,7 +12,7 @@ The part h of the drag acts at the head plate, at the distance l ahead of the ce
 all drag in the paper. The rest acts at the centre of mass.
 
 Source: Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5 (laminar plate friction) and
-18.2 (turbulent).
+ch. 18 (turbulent).
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ problem     a system, its trials, its candidates
 refit       nonlinear fits of a set of causes, with all its functional forms
 own_noise   fits of a set under its own noise
 expansion   second-order expansion of the likelihood in the numbers of all candidates
-near_copies residual terms that a listed cause already describes
+collinear_terms residual terms that are collinear with a listed cause
 set_columns numbers of a set in an expansion, and their priors
 forces      forces of a set's causes and of residual terms along the trials
 evidence    marginal likelihood of a set of causes

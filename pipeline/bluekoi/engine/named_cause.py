@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 CREDIBLE_SET_PROBABILITY = 0.9
-"""Probability that a credible set holds the cause, and from which one of several alternatives is
-taken to act."""
+"""Posterior probability that a credible set holds the cause that acts in its place (the level of a
+credible set: Wang, Sarkar, Carbonetto and Stephens, J. R. Stat. Soc. B 82 (2020), 1273), and from
+which one of several alternatives is taken to act. `python -m validation score` counts how many sets
+hold a hidden cause."""
 
 
 @dataclass(frozen=True)

@@ -30,8 +30,8 @@ class Problem:
     base (parameters,): values of what is not fitted. coefficients: the model's own numbers. noise:
     where estimates of the random part begin. tolerances: strength of a candidate -> standard
     deviation to which a careful laboratory makes it 0; integrated out where it is not a cause.
-    most_causes: how many a set may have. copies: residual terms that a listed cause describes; they
-    belong to discrepancies, but are no candidates of their own.
+    most_causes: how many a set may have. collinear_terms: residual terms that are collinear
+    with a listed cause; they belong to discrepancies, but are no candidates of their own.
     state_variables: variables of residual terms that follow from the system's state and inputs; a
     law whose formula is not quite right leaves, in its own channels, a force that depends on these.
     """
@@ -47,7 +47,7 @@ class Problem:
     state_variables: frozenset[str] = frozenset()
     progress: Progress = field(default=no_progress)
     most_causes: int = 4
-    copies: frozenset[str] = frozenset()
+    collinear_terms: frozenset[str] = frozenset()
 
     @cached_property
     def by_name(self) -> dict[str, Candidate]:

@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from .candidates import Candidate
+from .collinear_terms import collinear_terms
 from .evidence import evidence_with_shares, log_prior, most_probable_shares
 from .expansion import (
     Expansion,
@@ -25,7 +26,6 @@ from .expansion import (
     likely_strengths,
 )
 from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FittedSets
-from .near_copies import near_copies
 from .own_noise import fit_own_noise, is_likelier_under, small_force_noise
 from .problem import MAX_SEARCH_TRIALS, Problem
 from .refit import FittedSet, fit_again, fit_set, strength_starts
@@ -77,12 +77,12 @@ def ranked_proposals(
 
 def allowed_candidates(problem: Problem, causes: Sequence[str]) -> list[Candidate]:
     """Candidates beside a set: residual terms that are part of a cause's form are not, nor those
-    that a listed cause describes.
+    that are collinear with a listed cause.
     """
     sources = {s for c in causes if not problem.by_name[c].is_residual
                for s in problem.by_name[c].sources}  # fmt: skip
     return [c for c in problem.candidates
-            if c.name not in causes and c.name not in problem.copies
+            if c.name not in causes and c.name not in problem.collinear_terms
             and not (c.is_residual and c.sources & sources)]  # fmt: skip
 
 
@@ -140,7 +140,7 @@ def _search_on_trials(problem: Problem, start: dict[str, float]) -> FittedSets:
     if not whole.usable:
         raise np.linalg.LinAlgError("the model without causes runs away")
     expansion = likeliest_forms(problem, whole, tried)
-    problem = replace(problem, copies=near_copies(problem, whole, tried),
+    problem = replace(problem, collinear_terms=collinear_terms(problem, whole, tried),
                       residual_sizes=plausible_residual_magnitudes(problem, expansion))  # fmt: skip
     visited = FittedSets(problem)
     visited.sets[frozenset()] = score_set(problem, first)

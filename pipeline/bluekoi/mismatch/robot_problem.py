@@ -13,6 +13,7 @@ from ..integrate import CompiledSystem
 from ..model import STATE_VARIABLES, residual_channels_and_variables
 from ..tuning import JointFit
 from .camera_displacement import CAMERA_SHIFT_EFFECT, TAIL_FACTOR, CameraDisplacement
+from .wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock
 
 SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
 FREQUENCY_STD_SHARE = 0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
@@ -63,8 +64,8 @@ def robot_problem(
         -TAIL_FACTOR * sum(np.log(len(series) * d.moments) for d in displaced)
     )
     likely = {**(PRIORS.likely or {}), CAMERA_SHIFT_EFFECT: float(odds)}
-    if any(s.constants[system.constants.index("clock_part")] == 0 for s in series):
-        likely["clock_error"] = PRIORS.cause / len(series)
+    if trials_with_wrong_clock(series):
+        likely[CLOCK_CAUSE] = PRIORS.cause / len(series)
     priors = replace(PRIORS, likely=likely)
     return Problem(
         kernel=kernel,

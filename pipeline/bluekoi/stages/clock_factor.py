@@ -21,12 +21,12 @@ import numpy as np
 from ..campaign import Campaign
 from ..data import Flapping, Pose, Steady, Track
 from ..measurement import clock_error
+from ..mismatch.wrong_clock import CLOCK_CAUSE
 from ..motor import common_clock_ratio, flapping_compared_with_video
 from ..motor.clock_comparison import SAME_CLOCK_TOLERANCE
 from ..study import Study
 
 CLOCK_STD_SHARE = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
-CLOCK_CAUSE = "clock_error"
 
 
 @dataclass(frozen=True)

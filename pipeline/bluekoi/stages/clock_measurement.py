@@ -16,7 +16,8 @@ import numpy as np
 
 from ..data import Flapping, Float
 from ..fitting import Series
-from ..model import plates
+from ..mismatch.robot_problem import PRIORS
+from ..mismatch.wrong_clock import with_clock_part
 from .clock_factor import CLOCK_STD_SHARE
 
 STATED_FREQUENCY_STD_SHARE = (
@@ -25,11 +26,9 @@ STATED_FREQUENCY_STD_SHARE = (
 UNCHECKED_FRAME_RATE_STD_SHARE = (
     0.05  # ASSUME a frame rate that no tail beat checks is right to 5 %
 )
-CLOCK_PART = "clock_part"
-PRIOR_OF_PART = 0.03
-"""Probability that the clock of some trials is wrong, as of any other cause."""
 MIN_TRIALS_TO_SPLIT = 4
-"""Trials without which no part of them stands apart: two and two."""
+"""Trials without which no part of them is compared with the others: two variances about a mean need
+two trials each."""
 MAX_DISTINCT_SHARE = 0.5
 """Stated frequencies were not measured trial by trial where at most so many of them differ."""
 
@@ -77,7 +76,7 @@ def part_with_wrong_clock(ratio: Float, std: Float, groups: Sequence[str]) -> np
     The trials are split between two of their sorted ratios, where the variance about the two means
     is smallest. With S_1 and S_2, the sums of squares without and with the split, the odds are
 
-        PRIOR_OF_PART / n (S_1 / S_2 (1 - 2 / pi))^(n / 2)
+        PRIORS.cause / n (S_1 / S_2 (1 - 2 / pi))^(n / 2)
 
     since the best split of normally distributed ratios leaves 1 - 2 / pi of their variance, and
     there are n places to split. The part whose mean is farther from 1 is the wrong one.
@@ -93,20 +92,13 @@ def part_with_wrong_clock(ratio: Float, std: Float, groups: Sequence[str]) -> np
     splits = [[order[:k], order[k:]] for k in range(1, n)]
     best = min(splits, key=squares)
     shrinkage = squares([order]) / squares(best) * (1.0 - 2.0 / np.pi)
-    if PRIOR_OF_PART / n * shrinkage ** (n / 2) < 1.0:
+    if PRIORS.cause / n * shrinkage ** (n / 2) < 1.0:
         return None
     wrong = np.zeros(n, dtype=bool)
     wrong[max(best, key=lambda part: abs(ratio[part].mean()))] = True
     apart = {g for g, bad in zip(groups, wrong, strict=True) if bad}
     together = {g for g, bad in zip(groups, wrong, strict=True) if not bad}
     return wrong if apart & together else None
-
-
-def trials_with_wrong_clock(series: Sequence[Series]) -> list[str]:
-    """Names of the trials whose clock alone may be wrong; empty where it is that of all."""
-    place = plates().constants.index(CLOCK_PART)
-    part = [s.name for s in series if s.constants[place] == 1]
-    return part if len(part) < len(series) else []
 
 
 def _with_clock_of_part(
@@ -119,13 +111,13 @@ def _with_clock_of_part(
     std = np.sqrt(CLOCK_STD_SHARE**2 + np.maximum(own**2, scatter))
     known = {name: (float(r), float(d))
              for name, r, d, bad in zip(seen, ratio, std, wrong, strict=True) if bad}  # fmt: skip
-    place, out = plates().constants.index(CLOCK_PART), []
-    for one in series:
-        constants = one.constants.copy()
-        constants[place] = float(one.name in known)
-        evidence = {"clock_ratio": known[one.name]} if one.name in known else {}
-        out.append(replace(one, constants=constants, evidence=one.evidence | evidence))
-    return out
+    measured = [
+        replace(
+            s, evidence=s.evidence | ({"clock_ratio": known[s.name]} if s.name in known else {})
+        )
+        for s in series
+    ]
+    return with_clock_part(measured, known.keys())
 
 
 def variance_components(

@@ -23,13 +23,14 @@ from ..mismatch.camera_displacement import with_displacements
 from ..mismatch.laws import cause_laws, partial_residuals
 from ..mismatch.results_json import details_json, mismatch_json
 from ..mismatch.rigid_lengths import length_measurement
+from ..mismatch.wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock
 from ..model import plates
 from ..motor import log_lead_from_beat_phases
 from ..study import Setup, Study, load_study
 from ..study.data_split import held_out_trials
 from ..tuning import downsampled
-from .clock_factor import CLOCK_CAUSE, correct_clock, with_clock_cause
-from .clock_measurement import trials_with_wrong_clock, with_clock_measurement
+from .clock_factor import correct_clock, with_clock_cause
+from .clock_measurement import with_clock_measurement
 from .compiling import load_model_with_effects as preload
 from .layout import Layout, remove_files
 from .status import has_measured_lengths, with_numerical_failures_explained

@@ -1,4 +1,4 @@
-"""Residual terms that a listed cause already describes.
+"""Residual terms that are collinear with a listed cause.
 
 A residual term stands for a force that no listed cause describes. Where a named form of a cause
 has nearly the same force, in the same channel and as a function of the same variable, the trials
@@ -19,13 +19,17 @@ from ..data import Float
 from .expansion import Expansion, TriedForms
 from .problem import Problem
 
-MIN_COPY_SHARE = 0.9
-"""R^2 above which a term is a copy of a form: a force that is z standard errors strong differs from
-the form by less than a third of z."""
+MAX_VARIANCE_INFLATION = 10.0
+"""Variance inflation factor 1 / (1 - R^2) above which two regressors count as collinear (Marquardt,
+Technometrics 12 (1970), 591). Fitted together, their standard errors are then more than 10^1/2
+times larger than fitted alone: a force of z standard errors differs from the form by z / 3 at most.
+"""
 
 
-def near_copies(problem: Problem, whole: Expansion, tried: TriedForms) -> frozenset[str]:
-    """Residual terms that a form of a listed cause describes; tried: forms of all candidates."""
+def collinear_terms(problem: Problem, whole: Expansion, tried: TriedForms) -> frozenset[str]:
+    """Residual terms that are collinear with a form of a listed cause of the same channel and
+    variable; tried: forms of all candidates.
+    """
     P = _beside_coefficients(whole.hessian.sum(axis=0), list(whole.own))
     listed = [(problem.by_name[name], columns) for name, forms in tried.items()
               if not problem.by_name[name].is_residual for _, columns in forms]  # fmt: skip
@@ -35,7 +39,8 @@ def near_copies(problem: Problem, whole: Expansion, tried: TriedForms) -> frozen
         if term.is_residual and len(forms) == 1 and len(forms[0][1]) == 1:
             (i,) = forms[0][1]
             own = [j for cause, columns in listed if cause.sources & term.sources for j in columns]
-            if any(P[i, j] ** 2 > MIN_COPY_SHARE * P[i, i] * P[j, j] for j in own):
+            least = 1.0 - 1.0 / MAX_VARIANCE_INFLATION  # of R^2
+            if any(P[i, j] ** 2 > least * P[i, i] * P[j, j] for j in own):
                 out.add(name)
     return frozenset(out)
 

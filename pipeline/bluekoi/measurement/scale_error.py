@@ -27,7 +27,7 @@ PARAMETERS = (
     Parameter("length_error", "1", 0.01, -0.3, 0.3, "share by which lengths are observed too long",
               symbol="k"),
     Parameter("axis_difference", "1", 0.0, -1.0, 1.0, "how much more along x than along y",
-              spread=0.5, symbol="a"),
+              spread=0.5, tries=(1.0, -1.0), symbol="a"),
 )  # fmt: skip
 FORMS = {
     "uniform": {},

@@ -28,8 +28,9 @@ class Parameter:
     spread: prior standard deviation about `start`; it keeps a shape parameter that the trials
     hardly determine near its start. Infinite: no prior. tries: further starting values of a shape
     parameter of a residual term, whose likelihood has several maxima; a fit begins at the most
-    likely one. Of an error of the camera: values in which rigid lengths are predicted. plausible: typical magnitude of a strength, the width of its prior; default: the
-    size of `start`. symbol: name of the parameter in the equation of an effect.
+    likely one. Of an error of the camera: values in which rigid lengths are predicted. plausible:
+    typical magnitude of a strength, the width of its prior; default: the size of `start`. symbol:
+    name of the parameter in the equation of an effect.
     """
 
     name: str

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from bluekoi.integrate import Effect, Parameter, Stage, System
 
 
@@ -24,7 +26,7 @@ def observe(angle: float) -> tuple[float]:
 
 
 def cubic_damping(rate: float, k: float) -> tuple[float]:
-    return (-k * rate * rate * rate,)
+    return (-k * math.fabs(rate) * rate * rate * np.sign(rate),)  # functions of libraries
 
 
 PENDULUM = System(

@@ -210,6 +210,16 @@ def test_a_video_is_as_good_as_photographs(tmp_path):
     assert abs(result.lens.matrix[0, 0] - 500) < 4 * result.lens_std[0] + 1
 
 
+def test_a_video_without_the_board_is_given_up_after_a_first_look(tmp_path):
+    path = tmp_path / "pool.avi"
+    video = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 30.0, IMAGE_SIZE_PX)
+    for _ in range(160):
+        video.write(np.full((IMAGE_SIZE_PX[1], IMAGE_SIZE_PX[0], 3), 90, dtype=np.uint8))
+    video.release()
+    with pytest.raises(InputError, match=r"1[0-6] pictures, none with the whole board"):
+        calibrate_files([path], pattern="9x6", out=tmp_path / "c.yaml")
+
+
 def test_charuco_boards_may_be_partly_out_of_view(tmp_path):
     markers = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_250)
     drawn = cv2.aruco.CharucoBoard((10, 7), 0.025, 0.01875, markers)

@@ -86,7 +86,8 @@ def calibrate_files(
         result = calibration_from_profile(paths[0])
         write_text(out, camera_section(result))
         return result
-    found = find_board_views(read_grey_pictures(paths), read_board(pattern, square_mm, board))
+    wanted = read_board(pattern, square_mm, board)
+    found = find_board_views(read_grey_pictures(paths, wanted), wanted)
     best, candidates = select_lens_model(found.views, model, found.size_px, found.circle)
     result = _calibration_result(best, candidates, found)
     target = Path(out)

@@ -88,7 +88,7 @@ def reporting_compiler_errors(model: Model) -> Iterator[None]:
             if fault := _compiler_message(function):
                 raise input_error(
                     f"model '{model.name}'", f"{where}: {function.__name__}", fault,
-                    "arithmetic, abs and functions of math, which numba can compile",
+                    "arithmetic, abs and functions of math and numpy, which numba can compile",
                     "Write the equation without texts, lists, objects and other functions; "
                     "import modules at the top of the file.",
                 ) from None  # fmt: skip

@@ -256,17 +256,29 @@ def test_side_measurements_predicted_by_functions_have_the_slopes_of_differences
             "battery_sag": {"loss_rate": 0.04, "settling_rate": 1e-4},
         },
     )
-    slot = system.slot
-    value, slopes = predict_side_measurement(system, "lost_time", point[None])
+    slot, at = system.slot, (point[None], np.array([[0.0, 3.5, 3.0]]))
+    value, slopes = predict_side_measurement(system, "lost_time", *at)
     assert value[0] == pytest.approx(0.18)
     assert slopes[0, slot["motor_spin_up.missing_share"]] == pytest.approx(0.3)
     assert slopes[0, slot["motor_spin_up.time_constant"]] == pytest.approx(0.6)
     assert slopes[0, slot["motor_spin_up.dead_time"]] == pytest.approx(0.6)
     assert np.count_nonzero(slopes) == 3
-    assert predict_side_measurement(system, "frequency_drift", point[None])[0][0] == pytest.approx(
-        -0.02, rel=1e-3
+    for name in ("frequency_drift", "tail_beat_drift"):
+        assert predict_side_measurement(system, name, *at)[0][0] == pytest.approx(-0.02, rel=1e-3)
+    assert predict_side_measurement(system, "clock_ratio", *at)[0][0] == 0.0
+
+
+def test_a_sag_that_follows_the_load_drifts_more_at_a_higher_frequency() -> None:
+    """With an exponent of 2, twice the frequency has four times the drift."""
+    system = plates()
+    point = system.values(TABLE_1[100], {"battery_sag": {"loss_rate": 0.04, "load_exponent": 2.0}})
+    means = np.array([[0.0, 2.0, 3.0], [0.0, 4.0, 3.0]])
+    drift, slopes = predict_side_measurement(
+        system, "frequency_drift", np.tile(point, (2, 1)), means
     )
-    assert predict_side_measurement(system, "clock_ratio", point[None])[0][0] == 0.0
+    assert drift[1] / drift[0] == pytest.approx(4.0)
+    place = system.slot["battery_sag.load_exponent"]
+    assert slopes[:, place] == pytest.approx(drift * np.log(means[:, 1] / 3.5), rel=1e-3)
 
 
 def test_a_force_with_the_heads_heading_turns_with_the_head() -> None:

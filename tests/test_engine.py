@@ -228,15 +228,15 @@ def test_further_rounds_of_noise_and_parameters_do_not_make_a_set_less_probable(
     assert min(gains) > -0.1
 
 
-def test_small_random_forces_reach_a_maximum_of_the_noise_that_large_ones_miss() -> None:
-    """Without the drag that acts, the estimate from the first start ends at a lower maximum."""
+def test_the_noise_estimate_reaches_no_better_maximum_from_other_starts() -> None:
+    """With the drag that acts and without it, where the random forces must explain it."""
     visited = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.0)))
-    without, with_drag = gains_of_sets(visited, {"c": 1.0})
+    found = gains_of_sets(visited, {"c": 1.0})
+    assert len(found) == 2
+    for gains in found:
+        assert max(gains.values()) < 0.5
     own = SMALL_FORCE_SHARE, SMALL_FORCE_CORRELATION_TIME_S
-    assert without[own] > 100.0
-    for gains in (without, with_drag):
-        assert gains[own] > max(gains.values()) - 0.5
-    assert f"{own[0]:g}  {own[1]:g} s" in gain_table([without, with_drag])
+    assert f"{own[0]:g}  {own[1]:g} s" in gain_table(found)
 
 
 @pytest.mark.parametrize("ridge", [1e-12, 1e-8])

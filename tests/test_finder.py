@@ -50,10 +50,10 @@ from bluekoi.stages.clock_measurement import (
 from bluekoi.stages.layout import Layout
 from bluekoi.stages.mismatch import (
     with_delay_measurement,
-    with_motor_start_measurement,
     with_nose_distances,
     with_rigid_length_measurement,
 )
+from bluekoi.stages.motor_measurements import with_frequency_drift, with_lost_time
 from bluekoi.study import Study
 from bluekoi.study.data_split import held_out_trials
 from bluekoi.tuning import downsampled, fit_all_trials, trial_series
@@ -460,19 +460,55 @@ def test_variances_within_and_between_groups_are_told_apart() -> None:
     assert np.sqrt(between) == pytest.approx(0.03, rel=0.3)
 
 
-def test_what_motor_logs_show_of_their_start_is_one_measurement_shared_by_the_trials() -> None:
-    """Lost times of 70 and 90 ms, as a formula describes a motor to 20 %; nothing without logs."""
+def bare_series(count: int) -> list[Series]:
+    """Trials of two powers without observations."""
     none = np.zeros(1)
-    series = [Series(f"T{i}", "", "", none, none, none, none, none, none, none) for i in range(8)]
-    beats = {s.name: Flapping(4.0, 0.0, "motor_log", lost_time_s=0.07 + 0.02 * (i % 2),
-                              drift_per_s=0.0) for i, s in enumerate(series)}  # fmt: skip
-    shown = with_motor_start_measurement(series, beats, fitted=8)
+    return [Series(f"T{i}", f"P{i % 2}", "", none, none, none, none, none, none, none)
+            for i in range(count)]  # fmt: skip
+
+
+def test_the_time_lost_by_motor_logs_is_one_measurement_shared_by_the_trials() -> None:
+    """Lost times of 70 and 90 ms, as a formula describes a motor to 20 %; nothing without logs."""
+    series = bare_series(8)
+    beats = {s.name: Flapping(4.0, 0.0, "motor_log", lost_time_s=0.07 + 0.02 * (i % 2))
+             for i, s in enumerate(series)}  # fmt: skip
+    shown = with_lost_time(series, beats, fitted=8)
     value, std = np.array([s.evidence["lost_time"] for s in shown]).T
     assert value == pytest.approx(0.08)
     assert np.sum(std**-2.0) ** -0.5 == pytest.approx(np.hypot(0.2 * 0.08, 0.005), rel=0.05)
-    assert shown[0].evidence["frequency_drift"] == pytest.approx((0.0, 3e-4 * 8**0.5))
     without = {s.name: Flapping(4.0, 0.0, "flap_hz") for s in series}
-    assert with_motor_start_measurement(series, without, fitted=8) == series
+    assert with_lost_time(series, without, fitted=8) == series
+
+
+@pytest.mark.parametrize(("source", "name"), [
+    ("motor_log", "frequency_drift"), ("flap_hz", "tail_beat_drift"), ("video", "tail_beat_drift"),
+])  # fmt: skip
+def test_the_drift_of_the_flapping_frequency_is_measured_in_each_trial(
+    source: str, name: str
+) -> None:
+    """-1 and -2 % a second at two powers, known to 20 % from the formula in all trials together; a
+    wrong clock drifts in the video alone."""
+    series = bare_series(8)
+    drift = np.tile([-0.01, -0.02], 4)
+    beats = {s.name: Flapping(4.0, 0.0, source, drift_per_s=d, drift_std_per_s=1e-4)
+             for s, d in zip(series, drift, strict=True)}  # fmt: skip
+    shown = with_frequency_drift(series, beats, fitted=8)
+    value, std = np.array([s.evidence[name] for s in shown]).T
+    assert value == pytest.approx(drift)
+    assert std / 8**0.5 == pytest.approx(0.2 * abs(drift), rel=0.05)
+    assert (name in plates().effect("clock_error").evidence) == (source != "motor_log")
+    unknown = {s.name: Flapping(4.0, 0.0, source) for s in series}
+    assert with_frequency_drift(series, unknown, fitted=8) == series
+
+
+def test_a_stated_frequency_that_drifts_says_less_of_the_clock() -> None:
+    """4 % slow, while the frequency falls by 1 % a second in 10 s: stated at the start, perhaps."""
+    series, beats = clock_series([-0.04] * 9, "flap_hz")
+    long = [replace(s, times=np.array([0.0, 10.0])) for s in series]
+    falling = {n: replace(b, drift_per_s=-0.01) for n, b in beats.items()}
+    found = np.array([s.evidence["clock_ratio"] for s in with_clock_measurement(long, falling)])
+    std = float(found[:, 1].mean()) / 3
+    assert std == pytest.approx(np.hypot(STATED_FREQUENCY_STD_SHARE, 0.1 / 12**0.5), rel=0.01)
 
 
 def test_a_recording_that_starts_before_the_motor_is_fitted_from_the_motors_start(

@@ -135,15 +135,15 @@ def limits(folder: Path, only: str) -> None:
 @FOLDER_ARGUMENT
 @click.option("--only", default="", help="Only studies whose name contains this.")
 def noise_starts(folder: Path, only: str) -> None:
-    """Measure what the second start of the noise estimate gains in the studies of FOLDER."""
-    from .noise_starts import gain_table, second_start_gains  # noqa: PLC0415  compiles the model
+    """Measure what other starts of the noise estimate gain in the studies of FOLDER."""
+    from .noise_starts import gain_table, other_start_gains  # noqa: PLC0415  compiles the model
 
     names = [name for name in study_runs.measured_names(folder) if only in name]
     if not names:
         raise click.ClickException(f"{folder}: no measured study whose name contains '{only}'.")
     found = []
     for name in names:
-        found += second_start_gains(folder / "studies" / name, folder / "tracks" / name)
+        found += other_start_gains(folder / "studies" / name, folder / "tracks" / name)
         click.echo(name)
     click.echo(gain_table(found))
 

@@ -1,9 +1,8 @@
-"""What the second start of the noise estimate gains, by its share and correlation time.
+"""What other starts of the noise estimate gain, by their share and correlation time.
 
-The estimate of the random forces begins at forces as first estimated, and a second time at small
-ones (`engine.own_noise.SMALL_FORCE_SHARE`, `SMALL_FORCE_CORRELATION_TIME_S`). For the model without
-causes and for the most probable set of a measured study: log joint density that is reached from
-the second start, less that from the first.
+The estimate of the random forces begins at forces as first estimated. Others begin at a share of
+these, with another correlation time. For the model without causes and for the most probable set of
+a measured study: log joint density that is reached from another start, less that from the first.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ Gains = dict[tuple[float, float], float]
 """(share, correlation time, s) -> log joint density gained."""
 
 
-def second_start_gains(study: Path, results: Path) -> list[Gains]:
+def other_start_gains(study: Path, results: Path) -> list[Gains]:
     """Gains of the sets of a measured study, all of whose trials are fitted."""
     problem, start = study_problem(study, results)
     return gains_of_sets(search_sets(problem, start), start)
@@ -43,11 +42,11 @@ def _gains(visited: FittedSets, key: frozenset[str], start: Mapping[str, float])
     known = {**start, **model.fit.by_label()}
     starts = {(share, time): small_force_noise(problem, problem.noise, share=share, time_s=time)
               for share, time in product(SHARES, CORRELATION_TIMES_S)}  # fmt: skip
-    first, *second = [
-        fit_own_noise(problem, fit_set(problem, model.causes, noise, known), two_starts=False)
+    first, *others = [
+        fit_own_noise(problem, fit_set(problem, model.causes, noise, known))
         for noise in (problem.noise, *starts.values())
     ]
-    return {k: m.log_joint - first.log_joint for k, m in zip(starts, second, strict=True)}
+    return {k: m.log_joint - first.log_joint for k, m in zip(starts, others, strict=True)}
 
 
 def gain_table(gains: Sequence[Gains]) -> str:

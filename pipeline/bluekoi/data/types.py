@@ -153,8 +153,9 @@ class Flapping:
     ratio is 1 within 3 sigma. phase_rad: the shaft's phase at `time_s`, rising. beat_lag_rad: by
     how much the tail beat in the video is behind the log's shaft at the same time, (-pi, pi], NaN
     where it is unknown. start_s: start of the motor after that of the log; lost_time_s: time that
-    its spin-up costs; drift_per_s: relative change of frequency per second after that; NaN where no
-    log shows them.
+    its spin-up costs; NaN where no log shows them. drift_per_s: relative change of frequency per
+    second after that, by the log, or without one by the video, with its standard deviation
+    drift_std_per_s; NaN where neither shows it.
     """
 
     flap_hz: float
@@ -172,6 +173,7 @@ class Flapping:
     start_s: float = float("nan")
     lost_time_s: float = float("nan")
     drift_per_s: float = float("nan")
+    drift_std_per_s: float = float("nan")
     agrees: bool = True
     remarks: tuple[str, ...] = ()
 

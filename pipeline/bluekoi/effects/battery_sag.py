@@ -9,8 +9,8 @@ At the frequency f_1, the change of the thrust is -k t T at first. It approaches
 because the voltage settles under load. With w = 0 it is -k t T at all times. With e > 0, the loss
 is larger at a higher flapping frequency.
 
-Thrust is proportional to f^2. Therefore a motor log shows the effect as a falling frequency, whose
-relative loss is half that of the thrust.
+Thrust is proportional to f^2. Therefore a motor log, or the tail beat in the video, shows the
+effect as a falling frequency, whose relative loss is half that of the thrust.
 
 Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries, ch.
 2).
@@ -44,15 +44,13 @@ FORMS = {
 }
 
 
-MIDDLE_S = 3.0  # of a usual trial
+def frequency_drift(t: float, flap_hz: float, k: float, w: float, e: float) -> float:
+    """Relative change of the flapping frequency per second (1/s) in the middle of a trial, at t."""
+    load = (max(flap_hz, 1e-9) / 3.5) ** e
+    return -0.5 * k * load * math.exp(-w * t)
 
 
-def frequency_drift(k: float, w: float) -> float:
-    """Relative change of the flapping frequency per second (1/s) in the middle of a trial."""
-    return -0.5 * k * math.exp(-w * MIDDLE_S)
-
-
-EVIDENCE = {"frequency_drift": frequency_drift}
+EVIDENCE = {"frequency_drift": frequency_drift, "tail_beat_drift": frequency_drift}
 
 
 def thrust(

@@ -29,16 +29,12 @@ probability by a fiftieth of its Monte Carlo error (`posterior.BOOTSTRAP_SAMPLES
 
 @dataclass
 class FittedSets:
-    """All sets fitted so far.
-
-    started_twice: sets whose noise has been estimated from both starts on a part of the trials.
-    """
+    """All sets fitted so far."""
 
     problem: Problem
     sets: dict[frozenset[str], ScoredSet] = field(default_factory=dict)
     full: dict[frozenset[str], Expansion] = field(default_factory=dict)
     converged: set[frozenset[str]] = field(default_factory=set)
-    started_twice: frozenset[frozenset[str]] = frozenset()
 
     @property
     def best(self) -> ScoredSet:
@@ -98,9 +94,8 @@ class FittedSets:
                        and s.log_posterior > self.best.log_posterior - self._reach(k)]:  # fmt: skip
             key = max(todo, key=lambda k: self.sets[k].log_posterior)
             self.converged.add(key)
-            twice = key not in self.started_twice
-            model = fit_own_noise(self.problem, self.sets[key].model, two_starts=twice)
             found = self.sets[key]
+            model = fit_own_noise(self.problem, found.model)
             if model is not found.model:
                 found = score_set(self.problem, model)
             found = with_discrepancy(self.problem, found)

@@ -5,45 +5,31 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..data import Float
-from ..fitting import FilterResults, Noise, filter_all, fit_noise
+from ..fitting import Noise, filter_all, fit_noise
 from ..fitting.filtering import disturbance_slots
+from ..fitting.trial_effects import points_with_effects
 from .problem import MAX_SEARCH_TRIALS, Problem
 from .refit import FittedSet, fit_again, start_values, total_log_likelihood
 
 SMALL_FORCE_SHARE, SMALL_FORCE_CORRELATION_TIME_S = 0.05, 0.5
-"""Second start of the noise estimate, whose likelihood has several maxima, at this share of the
-random forces of the first: gains up to 14 in log (`python -m validation noise-starts`, 4 sets)."""
-MAX_NOISE_ROUNDS, NOISE_STEPS, MIN_ROUND_GAIN_LOG_LIK = 6, 6, 0.3
+"""Random forces under which further causes are proposed and first fitted, as a share of a set's,
+and their correlation time: what a law explains must not stay random."""
+MAX_NOISE_ROUNDS, NOISE_STEPS, MIN_ROUND_GAIN_LOG_LIK = 6, 20, 0.3
 """Limits of the computing time: rounds in which noise and numbers are fitted in turn, quasi-Newton
 steps of each, and the log likelihood below which another round is not worth its time."""
 
 
-def fit_own_noise(
-    problem: Problem, model: FittedSet, *, most: int = MAX_NOISE_ROUNDS, two_starts: bool = True
-) -> FittedSet:
+def fit_own_noise(problem: Problem, model: FittedSet, *, most: int = MAX_NOISE_ROUNDS) -> FittedSet:
     """A set under its own noise, estimated in turn with its numbers until neither improves.
 
-    Two starting points, random forces as estimated before and small ones under which the numbers
-    are fitted again: what a law explains must not stay random. With a single round, the likelier
-    noise alone; two_starts False: of a set whose second start has been tried, the first alone.
+    Each noise parameter is varied by itself first, since the noise at the start may be that of
+    another set. Other starts reach no better maximum (`python -m validation noise-starts`).
     """
-    if most == 1:
-        small = small_force_noise(problem, model.noise)
-        passes = filter_all(
-            problem.kernel, problem.series, _evaluation_points(problem, model), small
-        )
-        if total_log_likelihood(passes) > total_log_likelihood(model.passes):
-            return _noise_and_fit_round(problem, model, small, passes, near=False)
-        return _noise_and_fit_round(problem, model, model.noise, model.passes, near=True)
     best = model
-    begins = (model, _fit_under_small_forces(problem, model)) if two_starts else (model,)
-    for begin in begins:
-        first = _noise_and_fit_round(problem, begin, begin.noise, begin.passes, near=begin is model)
-        best = max(best, first, key=lambda m: m.log_joint)
-    for _ in range(most - 1):
-        again = _noise_and_fit_round(problem, best, best.noise, best.passes, near=True)
+    for turn in range(most):
+        again = _noise_and_fit_round(problem, best, near=turn > 0 or most == 1)
         if again.log_joint - best.log_joint < MIN_ROUND_GAIN_LOG_LIK:
-            break
+            return max(best, again, key=lambda m: m.log_joint)
         best = again
     return best
 
@@ -58,37 +44,37 @@ def without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
 
 def is_likelier_under(problem: Problem, model: FittedSet, noise: Noise) -> bool:
     """Whether the trials are likelier at a set's numbers under another noise than under its own."""
-    passes = filter_all(problem.kernel, problem.series, _evaluation_points(problem, model), noise)
-    return total_log_likelihood(passes) > model.log_likelihood
+    points = _most_probable_points(problem, model)
+    own, other = (total_log_likelihood(filter_all(problem.kernel, problem.series, points, n))
+                  for n in (model.noise, noise))  # fmt: skip
+    return other > own
 
 
-def _fit_under_small_forces(problem: Problem, model: FittedSet) -> FittedSet:
-    """A set fitted under small random forces."""
-    return fit_again(problem, model, small_force_noise(problem, model.noise))
+def _noise_and_fit_round(problem: Problem, model: FittedSet, *, near: bool) -> FittedSet:
+    """Noise estimated at a set's numbers, and the numbers fitted under it; the set as it was where
+    that is not likelier.
 
-
-def _noise_and_fit_round(
-    problem: Problem, model: FittedSet, start: Noise, passes: FilterResults, *, near: bool
-) -> FittedSet:
-    """Noise estimated from a start at a set's numbers, and the numbers fitted under it; the set as
-    it was where that is not likelier.
-
-    passes: the filter's with the start. near: whether it is near enough for quasi-Newton steps.
+    near: whether its noise is near enough for quasi-Newton steps.
     """
     if not model.usable:
         return model
-    points = _evaluation_points(problem, model)
-    found = fit_noise(problem.kernel, problem.series, points, start, rounds=NOISE_STEPS,
-                      line_searches=not near, max_trials=MAX_SEARCH_TRIALS,
-                      passes=passes)  # fmt: skip
-    known = found.passes if len(found.passes) == len(points) else None
-    again = fit_again(problem, model, found.noise, at_start=known)
+    points = _most_probable_points(problem, model)
+    found = fit_noise(problem.kernel, problem.series, points, model.noise, rounds=NOISE_STEPS,
+                      line_searches=not near, max_trials=MAX_SEARCH_TRIALS)  # fmt: skip
+    again = fit_again(problem, model, found.noise)
     return max(model, again, key=lambda m: m.log_joint)
 
 
-def _evaluation_points(problem: Problem, model: FittedSet) -> list[Float]:
+def _most_probable_points(problem: Problem, model: FittedSet) -> list[Float]:
+    """Full parameter vectors of the trials at a set's numbers, with the most probable errors of the
+    commands in each trial: an error that lasts is not to be counted as a random force as well.
+    """
     base = start_values(problem, model.causes, model.fit.by_label(), model.discrepancy)
-    return replace(problem, base=base).points(model.fit.free, model.fit.values)
+    points = replace(problem, base=base).points(model.fit.free, model.fit.values)
+    effects = model.effects(problem)
+    if effects is None:
+        return points
+    return points_with_effects(problem.kernel, points, effects, model.noise)
 
 
 def small_force_noise(

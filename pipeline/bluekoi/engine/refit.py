@@ -107,7 +107,6 @@ def fit_set(
     noise: Noise,
     known: Mapping[str, float],
     *,
-    at_start: FilterResults | None = None,
     passes: int = 4,
     iterations: int = 12,
     free: Sequence[Free] | None = None,
@@ -118,9 +117,8 @@ def fit_set(
     """A set fitted under one noise; after the first fit the filter's gains are held, `passes` fits
     in all or until the numbers rest.
 
-    at_start: the filter's pass at the start with this noise, where known. deviations: those of the
-    discrepancy, which is fitted with the numbers of the set; without, it is held. effects: trial
-    effects (t, q) to begin with.
+    deviations: those of the discrepancy, which is fitted with the numbers of the set; without, it
+    is held. effects: trial effects (t, q) to begin with.
     """
     own = free_parameters(problem, causes) if free is None else tuple(free)
     slot = problem.kernel.system.slot
@@ -139,7 +137,7 @@ def fit_set(
                    iterations=iterations, tolerance=STEP_TOLERANCE_STDS, predictor=gains,
                    spreads=deviations, effects=near)  # fmt: skip
 
-    first, predictor = start, at_start or filtered(np.array([start[f.label] for f in frees]))
+    first, predictor = start, filtered(np.array([start[f.label] for f in frees]))
     for _ in range(passes):
         found = fitted(predictor, start, effects)
         predictor = filtered(found.values)
@@ -197,13 +195,13 @@ def _squared_distance_to_start(found: Fit, start: Mapping[str, float]) -> float:
 
 
 def fit_again(
-    problem: Problem, model: FittedSet, noise: Noise, *, at_start: FilterResults | None = None,
+    problem: Problem, model: FittedSet, noise: Noise, *,
     discrepancy: Mapping[str, float] | None = None,
     deviations: Mapping[str, float] | None = None,
 ) -> FittedSet:  # fmt: skip
     """A set fitted from where it is, with its own discrepancy and deviations or others."""
-    return fit_set(problem, model.causes, noise, model.fit.by_label(), at_start=at_start,
-                   free=model.fit.free, effects=model.effects(problem),
+    return fit_set(problem, model.causes, noise, model.fit.by_label(), free=model.fit.free,
+                   effects=model.effects(problem),
                    discrepancy=model.discrepancy if discrepancy is None else discrepancy,
                    deviations=model.deviations if deviations is None else deviations)  # fmt: skip
 

@@ -104,8 +104,7 @@ def _verify_on_all_trials(problem: Problem, few: FittedSets) -> FittedSets:
     """The probable sets of a subset of the trials and the model without causes, fitted to all of
     them with what these add.
     """
-    visited = FittedSets(replace(few.problem, series=problem.series),
-                      started_twice=frozenset(few.converged))  # fmt: skip
+    visited = FittedSets(replace(few.problem, series=problem.series))
     for scored in (few.sets[frozenset()], *_sets_to_verify(few)):
         visited.add(scored.causes, scored.model)
     visited.converge()
@@ -187,7 +186,7 @@ def _keep_better_noise(visited: FittedSets, scored: ScoredSet, source: FittedSet
     again = fit_again(problem, model, source.noise, discrepancy=left or model.discrepancy)
     if again.log_joint <= model.log_joint:
         return
-    other = score_set(problem, fit_own_noise(problem, again, two_starts=False))
+    other = score_set(problem, fit_own_noise(problem, again))
     if other.log_joint > scored.log_joint:
         visited.sets[scored.model.key] = other
         visited.full.pop(scored.model.key, None)

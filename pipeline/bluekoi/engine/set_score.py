@@ -86,7 +86,7 @@ def with_discrepancy(
                           discrepancy=discrepancy)  # fmt: skip
         if not model.usable:
             return None
-        return score_set(problem, fit_own_noise(problem, model, most=most, two_starts=False))
+        return score_set(problem, fit_own_noise(problem, model, most=most))
 
     found = fitted_from({label: value for label, (value, _) in best.items()})
     if found is None or found.log_joint < scored.log_joint:

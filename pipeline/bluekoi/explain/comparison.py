@@ -21,6 +21,7 @@ from ..fitting import (
     smooth,
     trial_values,
 )
+from ..fitting.trial_effects import drawn_trial_effects
 from .model import Model
 
 MAX_LOG_ERROR_GROWTH = 6.0
@@ -225,14 +226,16 @@ def _mean_square(errors: Sequence[Float]) -> float:
 def noise_floor_errors(
     model: Model, problem: Problem, found: FittedSet, series: Sequence[Series], horizon_s: float
 ) -> dict[str, float]:
-    """Errors of a model on data made by itself, with its random forces and errors."""
+    """Errors of a model on data made by itself, with random forces, trial effects and noise."""
     whole, rng = Fitted(found, found.fit, ""), np.random.default_rng(NOISE_FLOOR_SEED)
     values = whole.values(problem, series)
     filtered = filter_all(problem.kernel, series, values, found.noise)
     starts = np.array([smooth(one)[0][0] for one in filtered])
     rows: list[Float] = []
+    names = [one.name for one in series]
     for _ in range(NOISE_FLOOR_DRAWS):
-        made = parametric_bootstrap(problem.kernel, series, values, [found.noise] * len(series),
+        at = drawn_trial_effects(problem.kernel, found.noise, names, values, rng)
+        made = parametric_bootstrap(problem.kernel, series, at, [found.noise] * len(series),
                                     starts, rng)  # fmt: skip
         rows += segment_errors(model, problem, whole, made, horizon_s)
     return rms_errors(model, rows)

@@ -5,13 +5,14 @@ Each is a further prediction error of its trial; the effects say what they predi
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 
 from ..data import Float
-from ..integrate import CompiledSystem, System
+from ..integrate import CompiledSystem, Effect, System
 from ..integrate.system import Function
 from .series import Free, Series, SharedMeasurement
 
@@ -33,7 +34,9 @@ def side_measurement_terms(
     own = np.array([[f.group in (None, s.group) for f in free] for s in series]).reshape(n, p)
     for name in sorted({name for s in series for name in s.evidence}):
         value, std = np.array([s.evidence.get(name, NO_INFORMATION) for s in series]).T
-        found, slopes = predict_side_measurement(kernel.system, name, np.array(points))
+        found, slopes = predict_side_measurement(
+            kernel.system, name, np.array(points), trial_means(series)
+        )
         error = (value - found) / std
         rows = slopes[:, slots] * own / std[:, None]
         hessian += rows[:, :, None] * rows[:, None, :]
@@ -69,22 +72,44 @@ def _shared_terms(
     return J.T @ J, -J.T @ error, -0.5 * float(error @ error)
 
 
-def predict_side_measurement(system: System, name: str, points: Float) -> tuple[Float, Float]:
-    """Prediction of a side measurement (t,) at parameters (t, parameters), and its slopes."""
+def trial_means(series: Sequence[Series]) -> Float:
+    """Means of the inputs and of the time in the trials (t, inputs + 1)."""
+    return np.array([[*s.inputs.mean(axis=0), s.times.mean()] for s in series])
+
+
+def predict_side_measurement(
+    system: System, name: str, points: Float, means: Float
+) -> tuple[Float, Float]:
+    """Prediction of a side measurement (t,) at parameters (t, parameters), and its slopes; means:
+    `trial_means`.
+    """
     weights = _linear_weights(system, name)
     value, slopes = points @ weights, np.tile(weights, (len(points), 1))
     for effect in system.effects:
         function = effect.evidence.get(name)
         if callable(function):
-            slots = [system.slot[f"{effect.name}.{p}"] for p in effect.informs[name]]
-            at = points[:, slots]
+            at = _arguments(system, effect, function, points, means)
             value += _evaluate_rows(function, at)
-            for k, slot in enumerate(slots):
-                row = system.parameters[slot]
-                step = DIFFERENCE_SHARE_OF_RANGE * (row.upper - row.lower) * np.eye(len(slots))[k]
+            names = list(inspect.signature(function).parameters)
+            for row in (p for p in effect.parameters if p.name in effect.informs[name]):
+                step = np.zeros(len(names))
+                step[names.index(row.argument)] = DIFFERENCE_SHARE_OF_RANGE * (
+                    row.upper - row.lower
+                )
                 change = _evaluate_rows(function, at + step) - _evaluate_rows(function, at - step)
-                slopes[:, slot] += change / (2 * step[k])
+                slopes[:, system.slot[f"{effect.name}.{row.name}"]] += change / (2 * step.sum())
     return value, slopes
+
+
+def _arguments(
+    system: System, effect: Effect, function: Function, points: Float, means: Float
+) -> Float:
+    """Arguments (t, arguments) of a prediction: parameters of the effect, inputs and the time t."""
+    slots = {p.argument: system.slot[f"{effect.name}.{p.name}"] for p in effect.parameters}
+    return np.column_stack([
+        points[:, slots[a]] if a in slots else means[:, (*system.inputs, "t").index(a)]
+        for a in inspect.signature(function).parameters
+    ])  # fmt: skip
 
 
 def _evaluate_rows(function: Function, rows: Float) -> Float:

@@ -45,7 +45,7 @@ def marginal_products_at_effects(
     if effects is None:
         effects = _most_probable_effects(kernel, passes, points, noise)
     more = [*changes, *trial_effect_changes(kernel, points, noise)]
-    at = _with_effects(kernel, points, effects, noise)
+    at = points_with_effects(kernel, points, effects, noise)
     products = whitened_products(kernel, passes, at, more, noise)
     return marginal_products(_about_no_effect(products, effects), stds)
 
@@ -60,7 +60,7 @@ def _most_probable_effects(
     stds = _effect_stds(points, noise)
     changes = trial_effect_changes(kernel, points, noise)
     for _ in range(NEWTON_STEPS):
-        at = _with_effects(kernel, points, found, noise)
+        at = points_with_effects(kernel, points, found, noise)
         products = whitened_products(kernel, passes, at, changes, noise)
         found = marginal_products(_about_no_effect(products, found), stds)[2].values
     return found
@@ -71,13 +71,25 @@ def _effect_stds(points: Sequence[Float], noise: Noise) -> Float:
     return np.tile([e.std for e in noise.trial_effects], (len(points), 1))
 
 
-def _with_effects(
+def points_with_effects(
     kernel: CompiledSystem, points: Sequence[Float], effects: Float, noise: Noise
 ) -> list[Float]:
+    """Full parameter vectors, one a trial, with the effects (t, q) of each added."""
     slots = [slots_by_name(kernel)[e.parameter] for e in noise.trial_effects]
     out = np.array(points)
     out[:, slots] += effects
     return list(out)
+
+
+def drawn_trial_effects(
+    kernel: CompiledSystem, noise: Noise, trials: Sequence[str], points: Sequence[Float],
+    rng: np.random.Generator,
+) -> list[Float]:  # fmt: skip
+    """Full parameter vectors with random effects added, the same for all points of a trial."""
+    stds = [effect.std for effect in noise.trial_effects]
+    drawn = {name: rng.normal(0.0, stds) for name in dict.fromkeys(trials)}
+    effects = np.array([drawn[name] for name in trials]).reshape(len(points), len(stds))
+    return points_with_effects(kernel, points, effects, noise)
 
 
 def _about_no_effect(products: Float, effects: Float) -> Float:

@@ -75,12 +75,13 @@ class Effect:
     its form.
     hooks: stage name -> function whose outputs are added there. states: names of states of its
     own, all starting at 0, with `rates` giving their derivatives. evidence: names of side
-    measurements -> parameter -> how many times that they change by, or a function of parameters,
-    asked for as by hooks, that predicts them. starts: strengths from which fits begin, where one
-    start may lead astray. forms: name of a form -> values of the shape parameters that give it,
-    where they differ from their starts: published formulas, and scales such as a short lag. A
-    search tries each of them. The prior of a shape parameter is so wide that every form lies within
-    its 95 % interval, two standard deviations from the start.
+    measurements -> parameter -> how many times that they change by, or a function that predicts
+    them, of parameters, asked for as by hooks, and of the means of inputs and time t in a trial.
+    starts: strengths from which fits begin, where one start may lead astray. forms: name of a form
+    -> values of the shape parameters that give it, where they differ from their starts: published
+    formulas, and scales such as a short lag. A search tries each of them. The prior of a shape
+    parameter is so wide that every form lies within its 95 % interval, two standard deviations from
+    the start.
     """
 
     name: str
@@ -104,7 +105,7 @@ class Effect:
     def informs(self) -> dict[str, tuple[str, ...]]:
         """Side measurement -> the parameters that its prediction depends on, in its order."""
         names = {p.argument: p.name for p in self.parameters}
-        return {name: tuple(names[a] for a in inspect.signature(by).parameters)
+        return {name: tuple(names[a] for a in inspect.signature(by).parameters if a in names)
                 if callable(by) else tuple(by) for name, by in self.evidence.items()}  # fmt: skip
 
     @cached_property

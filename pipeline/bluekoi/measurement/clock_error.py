@@ -17,7 +17,6 @@ CHANNELS = ("surge", "sway", "yaw")
 STATEMENT = "The frame rate is wrong: all motion appears too slow or too fast by the same factor."
 REGIME = "all motion, in proportion to speed; tail beats in the video compared with the motor log"
 CONFUSED_WITH = ("scale_error",)
-EVIDENCE = {"clock_ratio": {"rate_error": 1.0}}
 PARAMETERS = (
     Parameter("rate_error", "1", 0.01, -0.6, 1.5, "share by which true time runs faster",
               symbol="k"),
@@ -28,6 +27,14 @@ FORMS = {
     "constant": {},
     "growing": {"drift": 1.0},
 }
+
+
+def tail_beat_drift(k: float, d: float) -> float:
+    """Relative change of the tail beat's frequency in the video per second (1/s)."""
+    return k * d / 3.0
+
+
+EVIDENCE = {"clock_ratio": {"rate_error": 1.0}, "tail_beat_drift": tail_beat_drift}
 
 
 def clock(t: float, clock_part: float, k: float, d: float) -> tuple[float]:

@@ -24,6 +24,7 @@ from ..fitting import (
     free_runs,
     parametric_bootstrap,
 )
+from ..fitting.trial_effects import drawn_trial_effects
 from ..integrate import CompiledSystem
 from ..integrate.batch import threaded_map
 from ..study import Study
@@ -31,7 +32,7 @@ from ..tuning import JointFit
 from ..tuning.stability import predictability_horizon_s
 
 NOISE_FLOOR_SEED = 20240517
-NOISE_FLOOR_DRAWS = 3
+NOISE_FLOOR_DRAWS = 10
 RANDOM_FORCE_SCALES = (0.06, 0.12, 0.25, 0.5, 2.0)
 """Factors on a random force that are tried for each segment."""
 MAX_STD_RATIO = 5.0
@@ -57,8 +58,8 @@ def path_errors(
 ) -> PathErrors:
     """`PathErrors` of models on trials, over the predictability horizon of the last, the best one.
 
-    The noise floor is the error of the last model on data made by itself with its random forces
-    and its measuring noise; NaN where that model diverges.
+    The noise floor is the error of the last model on data made by itself with its random forces,
+    the errors of the commands in each trial and its measuring noise; NaN where that model diverges.
     """
     longest = max(float(s.times[-1] - s.times[0]) for s in series)
     last = list(models.values())[-1]
@@ -80,8 +81,14 @@ def _bootstrap_path_errors_m(
                        for one, run in zip(segments, runs, strict=True)])  # fmt: skip
     noises = threaded_map(lambda job: segment_noise(kernel, job[0], job[1], tuned.noise),
                   list(zip(segments, values, strict=True)))  # fmt: skip
-    draws = [parametric_bootstrap(kernel, segments, values, noises, starts, rng)
-             for _ in range(NOISE_FLOOR_DRAWS)]  # fmt: skip
+    names = [one.name for one in segments]
+    draws = [
+        parametric_bootstrap(
+            kernel, segments, drawn_trial_effects(kernel, tuned.noise, names, values, rng),
+            noises, starts, rng,
+        )
+        for _ in range(NOISE_FLOOR_DRAWS)
+    ]  # fmt: skip
     return [_path_rmse_m(kernel, tuned, draw) for draw in draws]
 
 

@@ -47,7 +47,7 @@ def motor_start(shaft: Shaft, last_s: float, direction: float) -> MotorStart:
     threshold = max(FIRST_MOTION_DEG / 360.0, 5.0 * _reading_noise_turns(turns))
     rest = float(np.median(turns[:3]))
     moved = int(np.argmax(turns - rest > threshold))
-    begin = time[moved] + min(MAX_SPIN_UP_S, MAX_SPIN_UP_SHARE_OF_LOG * (last_s - time[moved]))
+    begin = spin_up_end_s(float(time[moved]), last_s)
     late = shaft.good & (time > begin) & (time < last_s)
     if late.sum() < 20:
         return MotorStart(float(time[0]), np.nan, np.nan)
@@ -63,6 +63,11 @@ def motor_start(shaft: Shaft, last_s: float, direction: float) -> MotorStart:
     reading = (_regression_columns(np.zeros(1), np.array([there]))[0, 3:] @ np.array(waves)).item()
     lost = (there - reading - n_0 - hz * past - 0.5 * change * past**2) / hz
     return MotorStart(start, float(lost), float(change / hz))
+
+
+def spin_up_end_s(start_s: float, last_s: float) -> float:
+    """Time by which a motor that starts at `start_s` has reached its speed."""
+    return start_s + min(MAX_SPIN_UP_S, MAX_SPIN_UP_SHARE_OF_LOG * (last_s - start_s))
 
 
 def _unwrapped_turns(shaft: Shaft, direction: float) -> Float:

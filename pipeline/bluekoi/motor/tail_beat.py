@@ -11,12 +11,17 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ..data import Flapping, Float, Pose, Positions, is_confident
+from ..data import Flapping, Float, Pose, Positions
 from ..data.keypoint_quality import correlation_time_samples
-from .shaft_angle import wrap_angle
+from .beat_regression import (
+    TAIL_PARTS,
+    beat_signal,
+    misfit_spectrum,
+    robust_weights,
+    slow_background,
+    tail_angle,
+)
 
-TAIL_PARTS = ("tail_tip", "tail_base", "core_center")
-"""Keypoints between which the tail's angle is measured."""
 FRAME_RATE_FACTORS = (1 / 8, 1 / 4, 1 / 2, 2.0, 4.0, 8.0)
 """Usual mistakes of a frame rate: slow motion played at another rate, 240 for 29.97, and so on."""
 MIN_LINE_TO_BACKGROUND_POWER_RATIO = 2.0
@@ -26,8 +31,6 @@ ALIAS_TOLERANCE = 0.01
 """A beat above half the rate of the frames that show the tail, and off the motor's frequency by
 more than this share, may be an alias.
 """
-FREQUENCIES_PER_BATCH = 256
-"""Frequencies whose spectrum is computed at once, to bound memory."""
 SEARCH_RANGE_SHARE_OF_GUESS = 0.25
 """The beat is looked for within this share of the guess, on both sides."""
 MAX_BEATS_PER_FRAME = 2.0
@@ -36,8 +39,6 @@ MIN_TAIL_FRAMES = 12
 """Frames without which no tail beat is looked for."""
 MAX_BEAT_LAG_STD_RAD = 0.5
 """A lag with a larger standard error is not reported."""
-BACKGROUND_PERIOD_BEATS = 3.0
-"""The slow background has one spline knot per so many beats."""
 
 
 def tail_beat_from_video(
@@ -52,7 +53,7 @@ def tail_beat_from_video(
     guess_hz: expected frequency; without it all frequencies below half the frame rate are tried.
     More than two beats of it between frames are not seen.
     """
-    time_s, signal = _beat_signal(source)
+    time_s, signal = beat_signal(source)
     if len(time_s) < MIN_TAIL_FRAMES:
         return float("nan"), float("nan")
     step = float(np.median(np.diff(time_s)))
@@ -67,7 +68,7 @@ def tail_beat_from_video(
     low, high = near if guessed else (2 / span, 0.45 / step)
     reference = guess_hz if guessed else np.sqrt(low * high)
     warp = _time_even_in_motor_phase(time_s, flapping)
-    return _search_beat_frequency(warp, signal, (low, high), _background_basis(time_s, reference))
+    return _search_beat_frequency(warp, signal, (low, high), slow_background(time_s, reference))
 
 
 def tail_beat_lag(source: Positions | Pose, flapping: Flapping) -> tuple[float, float]:
@@ -77,7 +78,7 @@ def tail_beat_lag(source: Positions | Pose, flapping: Flapping) -> tuple[float, 
     y(t) = background(t) + R cos(phi(t) - lag), phi the shaft's own phase in the log.
     """
     nothing = float("nan"), float("nan")
-    time_s, signal = _beat_signal(source)
+    time_s, signal = beat_signal(source)
     if len(flapping.phase_rad) < 3:
         return nothing
     inside = (time_s >= flapping.time_s[0]) & (time_s <= flapping.time_s[-1])
@@ -86,13 +87,13 @@ def tail_beat_lag(source: Positions | Pose, flapping: Flapping) -> tuple[float, 
         return nothing
     phase = np.interp(time_s, flapping.time_s, flapping.phase_rad)
     waves = np.column_stack([np.cos(phase), np.sin(phase)])
-    design = np.column_stack([waves, _background_basis(time_s, flapping.flap_hz)])
+    design = np.column_stack([waves, slow_background(time_s, flapping.flap_hz)])
     weights = np.ones_like(signal)
     for _ in range(4):
         root = np.sqrt(weights)[:, None]
         value = np.linalg.lstsq(design * root, signal * root[:, 0], rcond=None)[0]
         residual = signal - design @ value
-        weights = _robust_weights(residual)
+        weights = robust_weights(residual)
     along, across = float(value[0]), float(value[1])
     variance = float(residual @ (weights * residual)) / max(float(weights.sum()) - len(value), 1.0)
     variance *= correlation_time_samples(residual * np.sqrt(weights))
@@ -111,7 +112,7 @@ def clock_ratio(source: Positions | Pose, flapping: Flapping) -> tuple[float, fl
     """
     motor_hz = flapping.flap_hz
     hz, std = tail_beat_from_video(source, motor_hz, flapping=flapping)
-    seen_s = _beat_signal(source)[0]
+    seen_s = beat_signal(source)[0]
     step = float(np.median(np.diff(seen_s))) if len(seen_s) > 1 else np.inf
     alias = hz * step > 0.5 and abs(hz / motor_hz - 1) > ALIAS_TOLERANCE
     known, least = (float("nan"), float("nan")) if alias else (hz, std), 0.0
@@ -143,7 +144,7 @@ def _is_alias_of(beat_hz: float, seen_hz: float, step_s: float) -> bool:
 
 def _beat_amplitude_rad(source: Positions | Pose, hz: float, flapping: Flapping) -> float:
     """Amplitude of the beat at this frequency, rad."""
-    time_s, signal = _beat_signal(source)
+    time_s, signal = beat_signal(source)
     design = _design_matrix(
         hz, _time_even_in_motor_phase(time_s, flapping), np.ones((len(time_s), 1))
     )
@@ -158,7 +159,7 @@ def tail_excursion(positions: Positions) -> float:
     if not set(TAIL_PARTS) <= set(positions.names):
         return float("nan")
     tail = positions.part("tail_tip") - positions.part("tail_base")
-    across = np.linalg.norm(tail, axis=1) * np.sin(_tail_angle(positions))
+    across = np.linalg.norm(tail, axis=1) * np.sin(tail_angle(positions))
     seen = across[np.isfinite(across)]
     return float(2 * np.sqrt(2) * np.std(seen)) if len(seen) >= MIN_TAIL_FRAMES else float("nan")
 
@@ -170,8 +171,8 @@ def _search_beat_frequency(
     grid = np.arange(limits_hz[0], limits_hz[1], 0.1 / span)
     weights = np.ones_like(signal)
     for _ in range(4):
-        best = grid[int(np.argmin(_misfit_spectrum(grid, time_s, signal, background, weights)))]
-        weights = _robust_weights(_regression_residual(best, time_s, signal, background, weights))
+        best = grid[int(np.argmin(misfit_spectrum(grid, time_s, signal, background, weights)))]
+        weights = robust_weights(_regression_residual(best, time_s, signal, background, weights))
     found = minimize_scalar(
         lambda f: _weighted_misfit(f, time_s, signal, background, weights),
         bounds=(best - 0.2 / span, best + 0.2 / span),
@@ -179,57 +180,6 @@ def _search_beat_frequency(
         options={"xatol": 1e-7},
     )
     return _frequency_and_std(float(found.x), time_s, signal, background, weights)
-
-
-def _robust_weights(residual: Float) -> Float:
-    """Weights that fall with the residual squared beyond 2.5 robust deviations."""
-    scale = max(1.4826 * float(np.median(np.abs(residual))), 1e-12)
-    return np.asarray(1.0 / np.maximum(1.0, (np.abs(residual) / (2.5 * scale)) ** 2))
-
-
-def _misfit_spectrum(
-    hz: Float, time_s: Float, signal: Float, background: Float, weights: Float
-) -> Float:
-    """Weighted sum of squares that background and a line leave, for each frequency of `hz`.
-
-    Line and signal are projected off the background first; 2 x 2 normal equations remain.
-    """
-    root = np.sqrt(weights)
-    basis = np.linalg.qr(background * root[:, None])[0]
-    rest = signal * root - basis @ (basis.T @ (signal * root))
-    left = np.empty(len(hz))
-    for first in range(0, len(hz), FREQUENCIES_PER_BATCH):
-        some = slice(first, first + FREQUENCIES_PER_BATCH)
-        wave = root[:, None] * np.exp(2j * np.pi * np.outer(time_s - time_s.mean(), hz[some]))
-        wave -= basis @ (basis.T @ wave)
-        c, s = wave.real, wave.imag
-        cc, ss, cs = (c * c).sum(0), (s * s).sum(0), (c * s).sum(0)
-        cy, sy = rest @ c, rest @ s
-        det = np.maximum(cc * ss - cs**2, 1e-9 * cc * ss + 1e-300)
-        left[some] = rest @ rest - (ss * cy**2 - 2 * cs * cy * sy + cc * sy**2) / det
-    return left
-
-
-def _beat_signal(source: Positions | Pose) -> tuple[Float, Float]:
-    """Times and beating angle (rad) in the frames where it is seen."""
-    if isinstance(source, Pose):
-        angle = source.values[:, 2]
-    elif set(TAIL_PARTS) <= set(source.names):
-        angle = _tail_angle(source)
-    else:
-        return np.zeros(0), np.zeros(0)
-    seen = np.isfinite(angle)
-    return source.time_s[seen], angle[seen]
-
-
-def _tail_angle(positions: Positions) -> Float:
-    tail = positions.part("tail_tip") - positions.part("tail_base")
-    core = positions.part("tail_base") - positions.part("core_center")
-    sure = is_confident(
-        positions.likelihood[:, [positions.names.index(n) for n in TAIL_PARTS]]
-    ).all(axis=1)
-    angle = wrap_angle(np.arctan2(tail[:, 1], tail[:, 0]) - np.arctan2(core[:, 1], core[:, 0]))
-    return np.where(sure, angle, np.nan)
 
 
 def _time_even_in_motor_phase(time_s: Float, flapping: Flapping | None) -> Float:
@@ -241,14 +191,6 @@ def _time_even_in_motor_phase(time_s: Float, flapping: Flapping | None) -> Float
     rate = np.where(np.abs(rate - 1) < 0.02, 1.0, rate)
     steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(fine)
     return np.interp(time_s, fine, np.concatenate([[0.0], np.cumsum(steps)]))
-
-
-def _background_basis(time_s: Float, reference_hz: float) -> Float:
-    """Slow curve: low cosines (Chebyshev in time), (frames, terms)."""
-    span = float(np.ptp(time_s))
-    terms = int(np.clip(span * reference_hz / BACKGROUND_PERIOD_BEATS, 2, 12))
-    scaled = 2 * (time_s - time_s[0]) / span - 1
-    return np.polynomial.chebyshev.chebvander(scaled, terms)
 
 
 def _design_matrix(hz: float, time_s: Float, background: Float) -> Float:

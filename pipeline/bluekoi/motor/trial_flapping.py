@@ -14,6 +14,7 @@ from ..study import Study, Trial
 from .clock_comparison import flapping_compared_with_video, flapping_from_stated_frequency
 from .motor_log import flapping_from_log, log_coverage
 from .tail_beat import MAX_BEAT_STD_SHARE, clock_ratio, tail_beat_from_video, tail_beat_lag
+from .tail_beat_drift import tail_beat_drift
 
 MIN_LOGGED_SHARE = 0.5
 """Logged share of a recording below which the track carries a remark."""
@@ -36,8 +37,16 @@ def trial_flapping(study: Study, trial: Trial, positions: Positions) -> Flapping
     found = flapping_compared_with_video(flapping, *clock_ratio(positions, flapping))
     if not np.isfinite(found.video_hz):
         return found
+    if log is None:
+        return _with_drift_in_video(found, positions)
     lag, std = tail_beat_lag(positions, flapping)
     return replace(found, beat_lag_rad=lag, beat_lag_std_rad=std)
+
+
+def _with_drift_in_video(flapping: Flapping, positions: Positions) -> Flapping:
+    """Flapping without a motor log, with the drift of the tail beat that the video shows."""
+    drift, std = tail_beat_drift(positions, flapping.video_hz)
+    return replace(flapping, drift_per_s=drift, drift_std_per_s=std)
 
 
 def _with_beat_of_stopped_motor(flapping: Flapping, positions: Positions) -> Flapping:
@@ -73,12 +82,13 @@ def _flapping_from_video(study: Study, trial: Trial, positions: Positions) -> Fl
             "Give motor_log or flap_hz.",
         )
     remark = "no motor log and no flap_hz: flapping frequency taken from the tail in the video"
-    return Flapping(hz, std, "video", video_hz=hz, video_hz_std=std, remarks=(remark,))
+    seen = Flapping(hz, std, "video", video_hz=hz, video_hz_std=std, remarks=(remark,))
+    return _with_drift_in_video(seen, positions)
 
 
 def flapping_record(flapping: Flapping) -> dict[str, Any]:
     """What status/ID.json says of the flapping frequency, by the names of `Flapping`."""
     names = ("flap_hz", "flap_hz_std", "source", "video_hz", "video_hz_std", "ratio", "ratio_std",
              "beat_lag_rad", "beat_lag_std_rad", "start_s", "lost_time_s", "drift_per_s",
-             "agrees")  # fmt: skip
+             "drift_std_per_s", "agrees")  # fmt: skip
     return {name: getattr(flapping, name) for name in names}

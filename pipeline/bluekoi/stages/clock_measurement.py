@@ -58,7 +58,7 @@ def with_clock_measurement(
     if wrong is not None:
         return _with_clock_of_part(series, [s.name for s in seen], ratio, own, wrong)
     within, between = variance_components(ratio, own**2, groups)
-    shared = between + (STATED_FREQUENCY_STD_SHARE**2 if stated else 0.0)
+    shared = between + (_stated_frequency_variance(seen, found) if stated else 0.0)
     std = np.sqrt(CLOCK_STD_SHARE**2 + own**2 + within + len(ratio) * shared)
     evidence = {s.name: (float(r), float(d)) for s, r, d in zip(seen, ratio, std, strict=True)}
     return [
@@ -136,6 +136,17 @@ def variance_components(
         return max(total - own, 0.0), 0.0
     of_means = total * float(np.mean([1 / len(m) for m in members]))
     return max(total - own, 0.0), max(float(np.var(means, ddof=1)) - of_means, 0.0)
+
+
+def _stated_frequency_variance(seen: Sequence[Series], found: Sequence[Flapping]) -> float:
+    """Variance of the ratio because a stated frequency is not that of the whole trial.
+
+    A frequency that drifts through the range D in a trial passes the stated one at an unknown time,
+    so that the mean differs from it by D / 12^1/2 rms.
+    """
+    drift = np.nan_to_num([b.drift_per_s for b in found])
+    ranges = drift * np.array([np.ptp(s.times) for s in seen])
+    return STATED_FREQUENCY_STD_SHARE**2 + float(np.mean(ranges**2)) / 12.0
 
 
 def _stated_for_several(found: Sequence[Flapping]) -> bool:

@@ -33,14 +33,12 @@ from .clock_factor import correct_clock, with_clock_cause
 from .clock_measurement import with_clock_measurement
 from .compiling import load_model_with_effects as preload
 from .layout import Layout, remove_files
+from .motor_measurements import with_frequency_drift, with_lost_time
 from .status import has_measured_lengths, with_numerical_failures_explained
 from .tuning import campaign_flapping, campaign_series
 
 __all__ = ["mismatch", "preload"]
 
-LOST_TIME_STD_S = 0.005  # ASSUME a motor counts as starting at once that loses a reading's time
-DRIFT_STD_PER_S = 0.0003  # ASSUME a supply counts as steady that loses 0.2 % of speed in 6 s
-MOTOR_FORMULA_STD_SHARE = 0.2  # ASSUME a motor follows the formula of its spin-up or sag to 20 %
 log = logging.getLogger(__name__)
 
 
@@ -55,9 +53,9 @@ def mismatch(study: Path, results: Path) -> None:
     campaign, flapping, factors = correct_clock(campaign, campaign_flapping(campaign))
     series = with_clock_measurement(campaign_series(campaign, flapping), flapping)
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
-    series = with_motor_start_measurement(
-        with_delay_measurement(series, flapping, fitted=fitted), flapping, fitted=fitted
-    )
+    series = with_delay_measurement(series, flapping, fitted=fitted)
+    series = with_lost_time(series, flapping, fitted=fitted)
+    series = with_frequency_drift(series, flapping, fitted=fitted)
     series = with_rigid_length_measurement(
         series, campaign.geometry or {}, loaded.setup, fitted=fitted
     )
@@ -106,29 +104,6 @@ def with_delay_measurement(
     if found is None:
         return list(series)
     shared = {"delay": (found[0], found[1] * max(fitted, 1) ** 0.5)}
-    return [replace(s, evidence=s.evidence | shared) for s in series]
-
-
-def with_motor_start_measurement(
-    series: Sequence[Series], flapping: Mapping[str, Flapping], *, fitted: int
-) -> list[Series]:
-    """Series with what the motor logs say of spin-up and sag as evidence, each one measurement
-    shared by the `fitted` trials: the mean of the logs, as certain as they agree, and no better
-    than a cause's formula describes a motor.
-    """
-    beats = [flapping[s.name] for s in series]
-    shared = {}
-    for name, values, least in (
-        ("lost_time", [b.lost_time_s for b in beats], LOST_TIME_STD_S),
-        ("frequency_drift", [b.drift_per_s for b in beats], DRIFT_STD_PER_S),
-    ):
-        known = np.array(values)[np.isfinite(values)]
-        if len(known):
-            mean, scatter = float(known.mean()), float(known.std())
-            std = np.sqrt(
-                least**2 + (MOTOR_FORMULA_STD_SHARE * mean) ** 2 + scatter**2 / len(known)
-            )
-            shared[name] = (mean, float(std) * max(fitted, 1) ** 0.5)
     return [replace(s, evidence=s.evidence | shared) for s in series]
 
 

@@ -83,6 +83,7 @@ def campaign_flapping(campaign: Campaign) -> dict[str, Flapping]:
             start_s=_none_to_nan(f.get("start_s")),
             lost_time_s=_none_to_nan(f.get("lost_time_s")),
             drift_per_s=_none_to_nan(f.get("drift_per_s")),
+            drift_std_per_s=_none_to_nan(f.get("drift_std_per_s")),
             agrees=bool(f["agrees"]),
         )
         for i, f in found.items()

@@ -265,6 +265,9 @@ def test_side_measurements_predicted_by_functions_have_the_slopes_of_differences
     assert np.count_nonzero(slopes) == 3
     for name in ("frequency_drift", "tail_beat_drift"):
         assert predict_side_measurement(system, name, *at)[0][0] == pytest.approx(-0.02, rel=1e-3)
+    assert predict_side_measurement(system, "stated_ratio", *at)[0][0] == pytest.approx(
+        -0.06, rel=1e-3
+    )
     assert predict_side_measurement(system, "clock_ratio", *at)[0][0] == 0.0
 
 

@@ -13,7 +13,7 @@ import pytest
 from bluekoi import smoothing
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.data import Flapping
-from bluekoi.engine import NamedCause
+from bluekoi.engine import NamedCause, Priors, candidates_of
 from bluekoi.errors import InputError
 from bluekoi.files import to_json_types
 from bluekoi.fitting import (
@@ -34,11 +34,11 @@ from bluekoi.mismatch.camera_displacement import detect_displacements, with_disp
 from bluekoi.mismatch.drift import drifting_trial, fisher_p_value
 from bluekoi.mismatch.find import verdict_of
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen_frames, trial_segments
-from bluekoi.mismatch.next_trial import disagreement_text
+from bluekoi.mismatch.next_trial import best_next_trial, disagreement_text
 from bluekoi.mismatch.results_json import details_json, mismatch_json
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.mismatch.sentences import verdict_sentence
-from bluekoi.mismatch.wrong_clock import trials_with_wrong_clock
+from bluekoi.mismatch.wrong_clock import trials_with_wrong_clock, with_steady_clock
 from bluekoi.model import plates
 from bluekoi.pose import rigid_pose
 from bluekoi.stages.clock_factor import CLOCK_STD_SHARE
@@ -382,6 +382,20 @@ def test_noise_is_left_where_the_filter_runs_away(
     assert fit_noise(kernel, few, wild, baseline.noise).noise is baseline.noise
 
 
+def test_a_trial_in_which_a_model_runs_away_is_not_proposed(
+    demo: tuple[MeasuredStudy, MismatchResult],
+) -> None:
+    m, found = demo
+    kernel = compiled(plates())
+    fitted = found.baseline.trial_values(kernel, downsampled(m.series)[:1])[0]
+    wild = fitted.copy()
+    wild[kernel.system.slot["tail_fin_lift.lift_area"]] = 5.0
+    hz = {"50": 2.0, "100": 4.0}
+    pool = m.study.setup.pool
+    apart = best_next_trial(m.study, kernel, fitted, wild, hz)["apart_mm"]
+    assert 0.0 <= apart < 1000 * np.hypot(pool.length_m, pool.width_m)
+
+
 def clock_series(
     ratios: list[float], source: str = "motor_log", stated: list[float] | None = None
 ) -> tuple[list[Series], dict[str, Flapping]]:
@@ -402,7 +416,8 @@ def clock_evidence(
 ) -> tuple[float, float]:
     """Mean and its standard deviation of nine trials at three powers."""
     series, beats = clock_series(ratios, source, stated)
-    found = np.array([s.evidence["clock_ratio"] for s in with_clock_measurement(series, beats)])
+    name = "stated_ratio" if source == "flap_hz" and stated is None else "clock_ratio"
+    found = np.array([s.evidence[name] for s in with_clock_measurement(series, beats)])
     return float(found[:, 0].mean()), float(np.mean(found[:, 1])) / 3
 
 
@@ -501,12 +516,22 @@ def test_the_drift_of_the_flapping_frequency_is_measured_in_each_trial(
     assert with_frequency_drift(series, unknown, fitted=8) == series
 
 
+def test_a_clock_drifts_only_where_a_motor_log_is_compared_with_it() -> None:
+    """Without one, a tail beat that drifts is the motor's."""
+    candidates = candidates_of(plates(), ["clock_error", "battery_sag"], Priors())
+    for source, has_drift in (("motor_log", True), ("flap_hz", False)):
+        measured = with_clock_measurement(*clock_series([-0.02] * 9, source))
+        clock, sag = with_steady_clock(candidates, measured)
+        assert ("clock_error.drift" in {f.name for f in clock.forms}) == has_drift
+        assert sag in candidates
+
+
 def test_a_stated_frequency_that_drifts_says_less_of_the_clock() -> None:
     """4 % slow, while the frequency falls by 1 % a second in 10 s: stated at the start, perhaps."""
     series, beats = clock_series([-0.04] * 9, "flap_hz")
     long = [replace(s, times=np.array([0.0, 10.0])) for s in series]
     falling = {n: replace(b, drift_per_s=-0.01) for n, b in beats.items()}
-    found = np.array([s.evidence["clock_ratio"] for s in with_clock_measurement(long, falling)])
+    found = np.array([s.evidence["stated_ratio"] for s in with_clock_measurement(long, falling)])
     std = float(found[:, 1].mean()) / 3
     assert std == pytest.approx(np.hypot(STATED_FREQUENCY_STD_SHARE, 0.1 / 12**0.5), rel=0.01)
 

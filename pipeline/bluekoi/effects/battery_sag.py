@@ -46,11 +46,19 @@ FORMS = {
 
 def frequency_drift(t: float, flap_hz: float, k: float, w: float, e: float) -> float:
     """Relative change of the flapping frequency per second (1/s) in the middle of a trial, at t."""
-    load = (max(flap_hz, 1e-9) / 3.5) ** e
-    return -0.5 * k * load * math.exp(-w * t)
+    return -0.5 * k * (max(flap_hz, 1e-9) / 3.5) ** e * math.exp(-w * t)
 
 
-EVIDENCE = {"frequency_drift": frequency_drift, "tail_beat_drift": frequency_drift}
+def stated_ratio(t: float, flap_hz: float, k: float, w: float, e: float) -> float:
+    """Relative difference of the tail beat in the middle of a trial from that at its start."""
+    return -0.5 * k * (max(flap_hz, 1e-9) / 3.5) ** e * (1.0 - math.exp(-w * t)) / w
+
+
+EVIDENCE = {
+    "frequency_drift": frequency_drift,
+    "tail_beat_drift": frequency_drift,
+    "stated_ratio": stated_ratio,
+}
 
 
 def thrust(

@@ -141,17 +141,18 @@ def _trial_products(
 
 def _forms_to_try(problem: Problem, candidate: Candidate) -> list[dict[str, float]]:
     """Forms (label -> value) from which a candidate may begin, the leading one first: the tries of
-    a residual term, the named forms of a cause. A cause whose strength is 0 only within a tolerance
-    keeps its leading form, which the tolerance is stated for.
+    a residual term, the named forms of a cause that its shape parameters can give. A cause whose
+    strength is 0 only within a tolerance keeps its leading form, which the tolerance is stated for.
     """
     system = problem.kernel.system
     rows = [(f.label, parameter_of(system, f)) for f in candidate.forms]
     if not candidate.is_residual:
         if any(f.name in problem.tolerances for f in candidate.strengths):
             return [{}]
-        named = system.effect(candidate.name).forms.values()
-        return [{}, *({f"{candidate.name}.{k}": v for k, v in form.items()}
-                      for form in named if form)]  # fmt: skip
+        labels = {label for label, _ in rows}
+        named = [{f"{candidate.name}.{k}": v for k, v in form.items()}
+                 for form in system.effect(candidate.name).forms.values()]  # fmt: skip
+        return [{}, *(form for form in named if form and form.keys() <= labels)]
     tries = [(label, p.tries) for label, p in rows if p.tries]
     if not tries:
         return [{}]

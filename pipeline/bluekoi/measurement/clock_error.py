@@ -3,7 +3,8 @@
 With the recorded time t, the true time runs 1 + p k (1 + d (t - 3 s) / 3 s) times as fast as t.
 k is the error of the frame rate. d is the drift of an unsteady clock. Where the tail beat in the
 video, compared with the motor log, shows that the frame rate of only some trials is wrong, the
-error acts in these trials alone (p = 1, else 0).
+error acts in these trials alone (p = 1, else 0). Without a motor log, d is 0: the quartz of a
+camera is steady, and a tail beat that drifts is the motor's.
 
 Source: own statement (30 for 29.97, or a frame rate typed in wrongly).
 """
@@ -34,7 +35,16 @@ def tail_beat_drift(k: float, d: float) -> float:
     return k * d / 3.0
 
 
-EVIDENCE = {"clock_ratio": {"rate_error": 1.0}, "tail_beat_drift": tail_beat_drift}
+def clock_ratio(t: float, k: float, d: float) -> float:
+    """Relative difference of the tail beat in the video from the motor's, at the time t."""
+    return k * (1.0 + d * (t - 3.0) / 3.0)
+
+
+EVIDENCE = {
+    "clock_ratio": clock_ratio,
+    "stated_ratio": clock_ratio,
+    "tail_beat_drift": tail_beat_drift,
+}
 
 
 def clock(t: float, clock_part: float, k: float, d: float) -> tuple[float]:

@@ -51,7 +51,13 @@ def disagreement_text(first: Sequence[str], other: Sequence[str]) -> str:
 def best_next_trial(
     study: Study, kernel: CompiledSystem, first: Float, second: Float, flap_hz: Mapping[str, float]
 ) -> dict[str, object]:
-    """Condition in which two fitted models differ most in 4 s from rest, in units of path error."""
+    """Condition in which two fitted models differ most in 4 s from rest, in units of path error.
+
+    A condition in which a model swims farther than the pool is long counts as no difference: it
+    runs away there.
+    """
+    pool = study.setup.pool
+    diagonal = float(np.hypot(pool.length_m, pool.width_m))
     found: list[tuple[float, str, float, float]] = []
     lengths = sorted({t.head_length_m for t in study.trials})
     for power, hz in flap_hz.items():
@@ -63,7 +69,8 @@ def best_next_trial(
                     )
                     for v in (first, second)
                 ]
-                apart = float(np.sqrt(np.mean(np.sum((paths[0] - paths[1]) ** 2, axis=1))))
+                inside = all(np.all(np.ptp(path, axis=0) < diagonal) for path in paths)
+                apart = _rms_distance(*paths) if inside else 0.0
                 found.append((apart, power, angle, length))
     apart, power, angle, length = max(found)
     return {
@@ -72,6 +79,10 @@ def best_next_trial(
         "head_length_m": length,
         "apart_mm": 1000 * apart,
     }
+
+
+def _rms_distance(first: Float, second: Float) -> float:
+    return float(np.sqrt(np.mean(np.sum((first - second) ** 2, axis=1))))
 
 
 def _simulated_positions_m(

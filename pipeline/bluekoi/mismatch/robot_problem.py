@@ -13,7 +13,7 @@ from ..integrate import CompiledSystem
 from ..model import STATE_VARIABLES, residual_channels_and_variables
 from ..tuning import JointFit
 from .camera_displacement import CAMERA_SHIFT_EFFECT, TAIL_FACTOR, CameraDisplacement
-from .wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock
+from .wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock, with_steady_clock
 
 SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
 FREQUENCY_STD_SHARE = 0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
@@ -67,12 +67,13 @@ def robot_problem(
     if trials_with_wrong_clock(series):
         likely[CLOCK_CAUSE] = PRIORS.cause / len(series)
     priors = replace(PRIORS, likely=likely)
+    candidates = candidates_of(system, names, priors, residual_channels_and_variables())
     return Problem(
         kernel=kernel,
         series=tuple(series),
         base=baseline.base,
         coefficients=baseline.fit.free,
-        candidates=candidates_of(system, names, priors, residual_channels_and_variables()),
+        candidates=with_steady_clock(candidates, series),
         noise=replace(baseline.noise, trial_effects=_trial_effects(baseline)),
         tolerances=LABEL_OFFSET_STDS | (HOMOGRAPHY_SCALE_STD if by_homography else {}),
         state_variables=STATE_VARIABLES,

@@ -1,14 +1,16 @@
-"""Trials whose frame rate alone may be wrong."""
+"""Which trials may have a wrong frame rate, and whether that may change within a trial."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
+from ..engine import Candidate
 from ..fitting import Series
 from ..model import plates
 
 CLOCK_CAUSE, CLOCK_PART_NAME = "clock_error", "clock_part"
+CLOCK_DRIFT = f"{CLOCK_CAUSE}.drift"
 
 
 def with_clock_part(series: Sequence[Series], wrong: Collection[str]) -> list[Series]:
@@ -26,3 +28,21 @@ def trials_with_wrong_clock(series: Sequence[Series]) -> list[str]:
     place = plates().constants.index(CLOCK_PART_NAME)
     part = [s.name for s in series if s.constants[place] == 1]
     return part if len(part) < len(series) else []
+
+
+def with_steady_clock(
+    candidates: Sequence[Candidate], series: Sequence[Series]
+) -> tuple[Candidate, ...]:
+    """Candidates of which a wrong frame rate is constant where no motor log is compared with it.
+
+    The quartz of a camera is steady to 1e-4. A tail beat that drifts by more is then that of a
+    motor whose supply sags, and a drifting clock would describe the same motion: all forces grow
+    with the square of speed and frequency. A log tells the two apart.
+    """
+    if any("clock_ratio" in s.evidence for s in series):
+        return tuple(candidates)
+    return tuple(
+        replace(c, forms=tuple(f for f in c.forms if f.name != CLOCK_DRIFT))
+        if c.name == CLOCK_CAUSE else c
+        for c in candidates
+    )  # fmt: skip

@@ -36,7 +36,8 @@ MAX_DISTINCT_SHARE = 0.5
 def with_clock_measurement(
     series: Sequence[Series], flapping: Mapping[str, Flapping]
 ) -> list[Series]:
-    """Series with the ratio of the tail beat seen to the motor's as evidence on the clock.
+    """Series with the ratio of the tail beat seen to the motor's as evidence on the clock; that to
+    a frequency stated for several trials is evidence on a sag of the supply as well.
 
     The standard deviations are such that those of all trials together give that of the mean ratio.
     Where no trial shows its tail beat, nothing but the statement speaks for the frame rate.
@@ -61,11 +62,11 @@ def with_clock_measurement(
     shared = between + (_stated_frequency_variance(seen, found) if stated else 0.0)
     std = np.sqrt(CLOCK_STD_SHARE**2 + own**2 + within + len(ratio) * shared)
     evidence = {s.name: (float(r), float(d)) for s, r, d in zip(seen, ratio, std, strict=True)}
+    name = "stated_ratio" if stated else "clock_ratio"
     return [
-        replace(s, evidence={**s.evidence, "clock_ratio": evidence[s.name]})
-        if s.name in evidence else s
+        replace(s, evidence={**s.evidence, name: evidence[s.name]}) if s.name in evidence else s
         for s in series
-    ]  # fmt: skip
+    ]
 
 
 def part_with_wrong_clock(ratio: Float, std: Float, groups: Sequence[str]) -> np.ndarray | None:

@@ -26,6 +26,7 @@ from bluekoi.fitting import (
 from bluekoi.fitting.bounded_step import bounded_step
 from bluekoi.fitting.gram import set_whitened_products
 from bluekoi.fitting.linear import linearised, log_likelihood, log_likelihood_gradient
+from bluekoi.fitting.trial_effects import drawn_trial_effects
 from bluekoi.integrate import compiled
 from mass_model import SYSTEM
 
@@ -293,3 +294,13 @@ def test_thinning_leaves_slow_series_alone() -> None:
 def test_noise_must_be_positive() -> None:
     with pytest.raises(ValueError, match="positive"):
         Noise(np.array([0.1]), np.array([0.5]), np.zeros(1))
+
+
+def test_drawn_trial_effects_are_those_of_fitted_trials_and_one_for_each_trial() -> None:
+    known, rng = np.array([[0.1, 1.0], [-0.2, 2.0], [0.3, 3.0]]), np.random.default_rng(2)
+    drawn = drawn_trial_effects(known, ["A", "A", "B"] * 50, rng)
+    assert {tuple(row) for row in drawn} <= {tuple(row) for row in known}
+    assert len({tuple(row) for row in drawn[0::3]}) == 1
+    assert np.array_equal(drawn[0::3], drawn[1::3])
+    many = drawn_trial_effects(known, [f"T{i}" for i in range(60)], rng)
+    assert len({tuple(row) for row in many}) == len(known)

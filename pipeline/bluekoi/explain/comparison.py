@@ -21,7 +21,7 @@ from ..fitting import (
     smooth,
     trial_values,
 )
-from ..fitting.trial_effects import drawn_trial_effects
+from ..fitting.trial_effects import drawn_trial_effects, points_with_effects
 from .model import Model
 
 MAX_LOG_ERROR_GROWTH = 6.0
@@ -232,9 +232,10 @@ def noise_floor_errors(
     filtered = filter_all(problem.kernel, series, values, found.noise)
     starts = np.array([smooth(one)[0][0] for one in filtered])
     rows: list[Float] = []
-    names = [one.name for one in series]
+    names, known = [one.name for one in series], found.fit.normal.effects.values
     for _ in range(NOISE_FLOOR_DRAWS):
-        at = drawn_trial_effects(problem.kernel, found.noise, names, values, rng)
+        effects = drawn_trial_effects(known, names, rng)
+        at = points_with_effects(problem.kernel, values, effects, found.noise)
         made = parametric_bootstrap(problem.kernel, series, at, [found.noise] * len(series),
                                     starts, rng)  # fmt: skip
         rows += segment_errors(model, problem, whole, made, horizon_s)

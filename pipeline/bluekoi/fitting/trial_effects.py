@@ -81,15 +81,12 @@ def points_with_effects(
     return list(out)
 
 
-def drawn_trial_effects(
-    kernel: CompiledSystem, noise: Noise, trials: Sequence[str], points: Sequence[Float],
-    rng: np.random.Generator,
-) -> list[Float]:  # fmt: skip
-    """Full parameter vectors with random effects added, the same for all points of a trial."""
-    stds = [effect.std for effect in noise.trial_effects]
-    drawn = {name: rng.normal(0.0, stds) for name in dict.fromkeys(trials)}
-    effects = np.array([drawn[name] for name in trials]).reshape(len(points), len(stds))
-    return points_with_effects(kernel, points, effects, noise)
+def drawn_trial_effects(known: Float, trials: Sequence[str], rng: np.random.Generator) -> Float:
+    """Random effects (points, q), the same for all points of a trial, drawn from the most probable
+    effects `known` (n, q) of the fitted trials; trials: that of each point.
+    """
+    drawn = {name: known[rng.integers(len(known))] for name in dict.fromkeys(trials)}
+    return np.array([drawn[name] for name in trials])
 
 
 def _about_no_effect(products: Float, effects: Float) -> Float:

@@ -24,7 +24,7 @@ from ..fitting import (
     free_runs,
     parametric_bootstrap,
 )
-from ..fitting.trial_effects import drawn_trial_effects
+from ..fitting.trial_effects import drawn_trial_effects, points_with_effects
 from ..integrate import CompiledSystem
 from ..integrate.batch import threaded_map
 from ..study import Study
@@ -81,15 +81,14 @@ def _bootstrap_path_errors_m(
                        for one, run in zip(segments, runs, strict=True)])  # fmt: skip
     noises = threaded_map(lambda job: segment_noise(kernel, job[0], job[1], tuned.noise),
                   list(zip(segments, values, strict=True)))  # fmt: skip
-    names = [one.name for one in segments]
-    draws = [
-        parametric_bootstrap(
-            kernel, segments, drawn_trial_effects(kernel, tuned.noise, names, values, rng),
-            noises, starts, rng,
-        )
-        for _ in range(NOISE_FLOOR_DRAWS)
-    ]  # fmt: skip
-    return [_path_rmse_m(kernel, tuned, draw) for draw in draws]
+    names, known = [one.name for one in segments], tuned.fit.normal.effects.values
+
+    def draw() -> list[Series]:
+        effects = drawn_trial_effects(known, names, rng)
+        at = points_with_effects(kernel, values, effects, tuned.noise)
+        return parametric_bootstrap(kernel, segments, at, noises, starts, rng)
+
+    return [_path_rmse_m(kernel, tuned, draw()) for _ in range(NOISE_FLOOR_DRAWS)]
 
 
 def trial_segments(

@@ -1,8 +1,10 @@
-"""What other starts of the noise estimate gain, by their share and correlation time.
+"""What other starts of the noise estimate gain, by their share and correlation time, and what more
+work does.
 
 The estimate of the random forces begins at forces as first estimated. Others begin at a share of
 these, with another correlation time. For the model without causes and for the most probable set of
-a measured study: log joint density that is reached from another start, less that from the first.
+a measured study: log joint density that is reached from another start, or with twice the rounds and
+steps (`engine.own_noise.MAX_NOISE_ROUNDS`, `NOISE_STEPS`), less that from the first.
 """
 
 from __future__ import annotations
@@ -15,11 +17,14 @@ import numpy as np
 
 from bluekoi.engine import fit_own_noise, fit_set, search_sets
 from bluekoi.engine.fitted_sets import FittedSets
-from bluekoi.engine.own_noise import small_force_noise
+from bluekoi.engine.own_noise import MAX_NOISE_ROUNDS, NOISE_STEPS, small_force_noise
+from bluekoi.fitting import Noise
 
 from .search_limits import study_problem
 
 SHARES, CORRELATION_TIMES_S = (0.005, 0.05, 0.5), (0.05, 0.5, 5.0)
+MORE_WORK = (1.0, 0.0)
+"""Stands for the first start with twice the rounds and steps."""
 Gains = dict[tuple[float, float], float]
 """(share, correlation time, s) -> log joint density gained."""
 
@@ -42,11 +47,15 @@ def _gains(visited: FittedSets, key: frozenset[str], start: Mapping[str, float])
     known = {**start, **model.fit.by_label()}
     starts = {(share, time): small_force_noise(problem, problem.noise, share=share, time_s=time)
               for share, time in product(SHARES, CORRELATION_TIMES_S)}  # fmt: skip
-    first, *others = [
-        fit_own_noise(problem, fit_set(problem, model.causes, noise, known))
-        for noise in (problem.noise, *starts.values())
-    ]
-    return {k: m.log_joint - first.log_joint for k, m in zip(starts, others, strict=True)}
+
+    def reached(noise: Noise, factor: int = 1) -> float:
+        begun = fit_set(problem, model.causes, noise, known)
+        return fit_own_noise(problem, begun, most=factor * MAX_NOISE_ROUNDS,
+                             steps=factor * NOISE_STEPS).log_joint  # fmt: skip
+
+    first = reached(problem.noise)
+    gains = {key: reached(noise) - first for key, noise in starts.items()}
+    return gains | {MORE_WORK: reached(problem.noise, 2) - first}
 
 
 def gain_table(gains: Sequence[Gains]) -> str:
@@ -58,7 +67,6 @@ def gain_table(gains: Sequence[Gains]) -> str:
     for key in gains[0]:
         own = np.array([one[key] for one in gains])
         near = sum(max(value, 0.0) > top - 1.0 for value, top in zip(own, best, strict=True))
-        lines.append(
-            f"{key[0]:g}  {key[1]:g} s  {np.median(own):.1f}  {own.max():.1f}  {near} of {len(own)}"
-        )
+        start = "more work" if key == MORE_WORK else f"{key[0]:g}  {key[1]:g} s"
+        lines.append(f"{start}  {np.median(own):.1f}  {own.max():.1f}  {near} of {len(own)}")
     return "\n".join(lines)

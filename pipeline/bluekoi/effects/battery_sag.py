@@ -46,12 +46,17 @@ FORMS = {
 
 def frequency_drift(t: float, flap_hz: float, k: float, w: float, e: float) -> float:
     """Relative change of the flapping frequency per second (1/s) in the middle of a trial, at t."""
-    return -0.5 * k * (max(flap_hz, 1e-9) / 3.5) ** e * math.exp(-w * t)
+    return _first_drift(flap_hz, k, e) * math.exp(-w * t)
 
 
 def stated_ratio(t: float, flap_hz: float, k: float, w: float, e: float) -> float:
     """Relative difference of the tail beat in the middle of a trial from that at its start."""
-    return -0.5 * k * (max(flap_hz, 1e-9) / 3.5) ** e * (1.0 - math.exp(-w * t)) / w
+    return -_first_drift(flap_hz, k, e) * math.expm1(-w * t) / w
+
+
+def _first_drift(flap_hz: float, k: float, e: float) -> float:
+    """Relative change of the flapping frequency per second (1/s) at the start of a trial."""
+    return -0.5 * k * (max(flap_hz, 1e-9) / 3.5) ** e
 
 
 EVIDENCE = {

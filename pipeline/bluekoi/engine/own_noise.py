@@ -14,12 +14,18 @@ from .refit import FittedSet, fit_again, start_values, total_log_likelihood
 SMALL_FORCE_SHARE, SMALL_FORCE_CORRELATION_TIME_S = 0.05, 0.5
 """Random forces under which further causes are proposed and first fitted, as a share of a set's,
 and their correlation time: what a law explains must not stay random."""
-MAX_NOISE_ROUNDS, NOISE_STEPS, MIN_ROUND_GAIN_LOG_LIK = 6, 20, 0.3
-"""Limits of the computing time: rounds in which noise and numbers are fitted in turn, quasi-Newton
-steps of each, and the log likelihood below which another round is not worth its time."""
+MAX_NOISE_ROUNDS, NOISE_STEPS = 6, 20
+"""Limits of the computing time: rounds in which noise and numbers are fitted in turn, and
+quasi-Newton steps of each. `python -m validation noise-starts` measures what twice of both gains.
+"""
+MIN_ROUND_GAIN_LOG_LIK = 0.3
+"""A round that gains less is the last one: log odds of 0.3 change a probability p by p (1 - p) 0.3,
+0.075 at most."""
 
 
-def fit_own_noise(problem: Problem, model: FittedSet, *, most: int = MAX_NOISE_ROUNDS) -> FittedSet:
+def fit_own_noise(
+    problem: Problem, model: FittedSet, *, most: int = MAX_NOISE_ROUNDS, steps: int = NOISE_STEPS
+) -> FittedSet:
     """A set under its own noise, estimated in turn with its numbers until neither improves.
 
     Each noise parameter is varied by itself first, since the noise at the start may be that of
@@ -27,9 +33,9 @@ def fit_own_noise(problem: Problem, model: FittedSet, *, most: int = MAX_NOISE_R
     """
     best = model
     for turn in range(most):
-        again = _noise_and_fit_round(problem, best, near=turn > 0 or most == 1)
+        again = _noise_and_fit_round(problem, best, steps, near=turn > 0 or most == 1)
         if again.log_joint - best.log_joint < MIN_ROUND_GAIN_LOG_LIK:
-            return max(best, again, key=lambda m: m.log_joint)
+            return again
         best = again
     return best
 
@@ -50,7 +56,9 @@ def is_likelier_under(problem: Problem, model: FittedSet, noise: Noise) -> bool:
     return other > own
 
 
-def _noise_and_fit_round(problem: Problem, model: FittedSet, *, near: bool) -> FittedSet:
+def _noise_and_fit_round(
+    problem: Problem, model: FittedSet, steps: int, *, near: bool
+) -> FittedSet:
     """Noise estimated at a set's numbers, and the numbers fitted under it; the set as it was where
     that is not likelier.
 
@@ -59,7 +67,7 @@ def _noise_and_fit_round(problem: Problem, model: FittedSet, *, near: bool) -> F
     if not model.usable:
         return model
     points = _most_probable_points(problem, model)
-    found = fit_noise(problem.kernel, problem.series, points, model.noise, rounds=NOISE_STEPS,
+    found = fit_noise(problem.kernel, problem.series, points, model.noise, rounds=steps,
                       line_searches=not near, max_trials=MAX_SEARCH_TRIALS)  # fmt: skip
     again = fit_again(problem, model, found.noise)
     return max(model, again, key=lambda m: m.log_joint)

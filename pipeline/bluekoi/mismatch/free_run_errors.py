@@ -33,6 +33,8 @@ from ..tuning.stability import predictability_horizon_s
 
 NOISE_FLOOR_SEED = 20240517
 NOISE_FLOOR_DRAWS = 10
+"""Simulated sets of the trials. The rms of N draws of n independent paths has a relative standard
+deviation of (2 N n)^-1/2 if their errors are normally distributed: 9 % for six trials held out."""
 RANDOM_FORCE_SCALES = (0.06, 0.12, 0.25, 0.5, 2.0)
 """Factors on a random force that are tried for each segment."""
 MAX_STD_RATIO = 5.0

@@ -29,7 +29,8 @@ def fit_own_noise(
     """A set under its own noise, estimated in turn with its numbers until neither improves.
 
     Each noise parameter is varied by itself first, since the noise at the start may be that of
-    another set. Other starts reach no better maximum (`python -m validation noise-starts`).
+    another set. Where that ends at a poorer maximum, the noise stays as it was, and other starts
+    may reach a better one (`python -m validation noise-starts`; decision 045, Known fault).
     """
     best = model
     for turn in range(most):

@@ -33,7 +33,12 @@ from bluekoi.engine import (
 from bluekoi.engine.collinear_terms import collinear_terms
 from bluekoi.engine.evidence import laplace_evidence, log_evidence
 from bluekoi.engine.expansion import expand_in_all_forms, likely_strengths
-from bluekoi.engine.own_noise import SMALL_FORCE_CORRELATION_TIME_S, SMALL_FORCE_SHARE
+from bluekoi.engine.own_noise import (
+    MIN_ROUND_GAIN_LOG_LIK,
+    SMALL_FORCE_CORRELATION_TIME_S,
+    SMALL_FORCE_SHARE,
+    small_force_noise,
+)
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
 from bluekoi.engine.set_columns import Layout
 from bluekoi.engine.set_score import at_optimum, score_set, with_discrepancy
@@ -311,6 +316,18 @@ def test_a_fit_begins_at_the_strength_that_the_expansion_gives() -> None:
         start = likely_strengths(whole, expand_about(whole, first), "constant_force")
         (value,) = start.values()
         assert value == pytest.approx(true, rel=0.3)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.1, 10.0])
+def test_other_starts_of_the_noise_reach_the_same_fit(share: float) -> None:
+    """Random forces of other strengths, as those of another set of causes are."""
+    problem = driven_mass_problem(driven_mass_trials(0.3, 0.1))
+    other = small_force_noise(problem, problem.noise, share=share)
+    first, again = (
+        fit_own_noise(problem, fit_set(problem, ("quadratic_drag",), noise, {}))
+        for noise in (problem.noise, other)
+    )
+    assert again.log_joint == pytest.approx(first.log_joint, abs=MIN_ROUND_GAIN_LOG_LIK)
 
 
 def test_a_search_on_a_subset_of_many_trials_names_the_same_causes_as_one_on_all() -> None:

@@ -28,13 +28,12 @@ def fit_own_noise(
 ) -> FittedSet:
     """A set under its own noise, estimated in turn with its numbers until neither improves.
 
-    Each noise parameter is varied by itself first, since the noise at the start may be that of
-    another set. Where that ends at a poorer maximum, the noise stays as it was, and other starts
-    may reach a better one (`python -m validation noise-starts`; decision 045, Known fault).
+    Each estimate begins at the noise of the round before: parameters varied one by one first may
+    jump to a poorer maximum (`python -m validation noise-starts`; decision 045).
     """
     best = model
-    for turn in range(most):
-        again = _noise_and_fit_round(problem, best, steps, near=turn > 0 or most == 1)
+    for _ in range(most):
+        again = _noise_and_fit_round(problem, best, steps)
         if again.log_joint - best.log_joint < MIN_ROUND_GAIN_LOG_LIK:
             return again
         best = again
@@ -57,19 +56,15 @@ def is_likelier_under(problem: Problem, model: FittedSet, noise: Noise) -> bool:
     return other > own
 
 
-def _noise_and_fit_round(
-    problem: Problem, model: FittedSet, steps: int, *, near: bool
-) -> FittedSet:
+def _noise_and_fit_round(problem: Problem, model: FittedSet, steps: int) -> FittedSet:
     """Noise estimated at a set's numbers, and the numbers fitted under it; the set as it was where
     that is not likelier.
-
-    near: whether its noise is near enough for quasi-Newton steps.
     """
     if not model.usable:
         return model
     points = _most_probable_points(problem, model)
     found = fit_noise(problem.kernel, problem.series, points, model.noise, rounds=steps,
-                      line_searches=not near, max_trials=MAX_SEARCH_TRIALS)  # fmt: skip
+                      line_searches=False, max_trials=MAX_SEARCH_TRIALS)  # fmt: skip
     again = fit_again(problem, model, found.noise)
     return max(model, again, key=lambda m: m.log_joint)
 

@@ -30,6 +30,7 @@ from bluekoi.engine import (
     set_score,
     strength_estimates,
 )
+from bluekoi.engine.calibration import calibrated_probability, calibrated_shares
 from bluekoi.engine.collinear_terms import collinear_terms
 from bluekoi.engine.evidence import laplace_evidence, log_evidence
 from bluekoi.engine.expansion import expand_in_all_forms, likely_strengths
@@ -262,7 +263,7 @@ def test_a_cause_whose_strengths_may_all_be_zero_is_insignificant() -> None:
     ):  # fmt: skip
         found = insignificant_causes([cause], by_name, {label: (value, std)})
         assert bool(found) == insignificant
-    assert "quadratic_drag improves the fit (probability 0.99)" in insignificance_sentence(cause)
+    assert "quadratic_drag improves the fit (probability 0.84)" in insignificance_sentence(cause)
 
 
 def drag_of_some_exponent(v: float, k: float, p: float) -> tuple[float]:
@@ -405,6 +406,34 @@ def test_one_of_two_causes_that_surely_act_in_one_place_is_named_with_the_other(
     lag = next(c for c in named_causes(found, CANDIDATES_BY_NAME)[0] if c.name == "lag")
     assert (lag.probability, dict(lag.alternatives)) == (0.49, {"mass": 0.46})
     assert lag.credible_set == ["lag", "mass"]
+
+
+def test_alternatives_in_one_place_are_not_both_named() -> None:
+    """mass is more probable on the whole, lag in the most probable set."""
+    found = posterior_of_sets((("fin", "lag"), 0.44), (("fin", "mass"), 0.42), (("mass",), 0.14))
+    named, _ = named_causes(found, CANDIDATES_BY_NAME)
+    assert [c.name for c in named] == ["fin", "mass"]
+    assert named[1].credible_set == ["mass", "lag"]
+
+
+def test_of_two_alternatives_the_calibrated_shares_are_the_calibrated_probabilities() -> None:
+    for p in (0.5, 0.8, 0.99):
+        shares = calibrated_shares({"lag": p, "mass": 1.0 - p})
+        assert shares["lag"] == pytest.approx(calibrated_probability(p))
+        assert sum(shares.values()) == pytest.approx(1.0)
+
+
+def test_an_alternative_that_is_not_excluded_is_in_the_credible_set() -> None:
+    assert NamedCause("stall", 0.94, {"lag": 0.06}).credible_set == ["stall", "lag"]
+    assert NamedCause("stall", 0.9999, {"lag": 0.0001}).credible_set == ["stall"]
+
+
+def test_a_calibrated_probability_rises_with_the_posterior_and_names_the_same_causes() -> None:
+    posteriors = np.linspace(0.0, 1.0, 201)
+    stated = np.array([calibrated_probability(p) for p in posteriors])
+    assert (np.diff(stated) >= 0).all()
+    assert ((stated > 0.5) == (posteriors > 0.5)).all()
+    assert (stated[posteriors > 0.5] <= posteriors[posteriors > 0.5]).all()
 
 
 def test_a_force_that_no_candidate_describes_leaves_its_place_unnamed() -> None:

@@ -485,4 +485,4 @@ def test_candidates_are_shown_with_their_probabilities(complete_campaign):
     assert [(p.y, p.x) for p in found if p.kind == "bar"] == [
         ("linear yaw damping", 0.97), ("stall", 0.02),
     ]  # fmt: skip
-    assert "belongs to the model" in figures.caption("mismatch_candidates", other)
+    assert "calibrated" in figures.caption("mismatch_candidates", other)

@@ -333,9 +333,9 @@ def test_profiles_of_a_model_that_lacks_something_have_their_top_at_the_fit(
 def test_the_sentence_says_on_which_trials(demo: tuple[MeasuredStudy, MismatchResult]) -> None:
     m, found = demo
     causes = mismatch_json(found, m.study, m.series)["causes"]
-    assert "on held-out trials the path error falls" in verdict_sentence(found, causes, [])
+    assert "on held-out trials the path error falls" in verdict_sentence(found, causes)
     small = replace(found, held_out=[f.name for f in found.forces])
-    assert "on the fitted trials (none could be held out)" in verdict_sentence(small, causes, [])
+    assert "on the fitted trials (none could be held out)" in verdict_sentence(small, causes)
 
 
 def test_nothing_is_said_where_nothing_is_determined(
@@ -344,10 +344,8 @@ def test_nothing_is_said_where_nothing_is_determined(
     _, found = demo
     wide = replace(found.baseline, cov=1e6 * found.baseline.cov)
     blind = replace(found, verdict="none", baseline=wide)
-    assert "the search cannot tell" in verdict_sentence(blind, [], [])
-    assert "No mismatch beyond the noise" in verdict_sentence(
-        replace(found, verdict="none"), [], []
-    )
+    assert "the search cannot tell" in verdict_sentence(blind, [])
+    assert "No mismatch beyond the noise" in verdict_sentence(replace(found, verdict="none"), [])
 
 
 def _late_recording(one: Series, frames: int, rng: np.random.Generator) -> Series:

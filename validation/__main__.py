@@ -148,6 +148,14 @@ def noise_starts(folder: Path, only: str) -> None:
     click.echo(gain_table(found))
 
 
+@main.command("calibration-slope")
+def calibration_slope() -> None:
+    """Estimate the slope of the stated probabilities from validation/results."""
+    from .calibration_slope import names_of, slope_report  # noqa: PLC0415  as the other measurements
+
+    click.echo(slope_report(names_of(report.load_runs())))
+
+
 @main.command()
 @FOLDERS_ARGUMENT
 def drift(folders: tuple[Path, ...]) -> None:

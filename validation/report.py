@@ -10,10 +10,11 @@ A run of one finder on the studies of one generator is one file, `validation/res
                   "cpu_s": 9.1, "failure": ""}]}
 
 finder: name of the version that was run. generator: package in validation/generators. development:
-whether studies of that generator were inspected while the finder was developed. group: kind of
-study (`null`: nothing is hidden but perhaps a fin). truth: names of the hidden causes;
-`unexplained` stands for a force that is not on the list. named: cause -> posterior probability.
-Path errors are those on held-out trials.
+whether studies of that generator were inspected while the finder was developed. slope: that of the
+stated probabilities (`bluekoi.engine.calibration`; where it is missing they are those of the
+posterior, slope 1). group: kind of study (`null`: nothing is hidden but perhaps a fin). truth:
+names of the hidden causes; `unexplained` stands for a force that is not on the list. named:
+cause -> stated probability. Path errors are those on held-out trials.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from bluekoi.engine.calibration import CALIBRATION_SLOPE
 
 from .scoring import PROBABILITY_BIN_EDGES, UNEXPLAINED, ScoredStudy, clopper_pearson
 
@@ -57,6 +60,7 @@ class Run:
     generator: str
     development: bool
     studies: Sequence[Mapping[str, Any]]
+    slope: float = 1.0
 
     @property
     def rank(self) -> tuple[int, str]:
@@ -72,7 +76,7 @@ def record(
     return {
         name: {
             "finder": finder, "commit": commit, "date": date, "generator": name,
-            "development": name in DEVELOPMENT_GENERATORS,
+            "development": name in DEVELOPMENT_GENERATORS, "slope": CALIBRATION_SLOPE,
             "studies": [_study_record(s) for s in studies if s.generator == name],
         }
         for name in names
@@ -125,7 +129,8 @@ def _parse_run(path: Path) -> Run:
         raise ValueError(f"{path}: missing {', '.join(missing)}; see validation/report.py")
     development = bool(content.get("development", content["generator"] in DEVELOPMENT_GENERATORS))
     return Run(content["finder"], content["commit"], content.get("date", ""),
-               content["generator"], development, tuple(content["studies"]))  # fmt: skip
+               content["generator"], development, tuple(content["studies"]),
+               float(content.get("slope", 1.0)))  # fmt: skip
 
 
 def updated_page(text: str, runs: Sequence[Run]) -> str:

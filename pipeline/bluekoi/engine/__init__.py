@@ -12,6 +12,7 @@ evidence    marginal likelihood of a set of causes
 set_score   log posterior of a fitted set, its discrepancy integrated out
 search      which sets are worth a fit
 posterior   probabilities of sets and causes, averaged over samples of trials
+calibration stated probabilities, by how often verdicts were right
 naming      what is named, and what may act in its place
 significance  whether the trials agree that a named cause acts
 """

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from .calibration import calibrated_probability, calibrated_shares
+
 CREDIBLE_SET_PROBABILITY = 0.9
 """Posterior probability that a credible set holds the cause that acts in its place (the level of a
 credible set: Wang, Sarkar, Carbonetto and Stephens, J. R. Stat. Soc. B 82 (2020), 1273), and from
@@ -14,20 +16,27 @@ hold a hidden cause."""
 
 @dataclass(frozen=True)
 class NamedCause:
-    """A named cause: probability that it acts, and others that may act in its place."""
+    """A named cause and others that may act in its place, each with its posterior probability."""
 
     name: str
-    probability: float
+    posterior: float
     alternatives: Mapping[str, float]
 
     @property
+    def probability(self) -> float:
+        """Calibrated probability that the cause acts."""
+        return calibrated_probability(self.posterior)
+
+    @property
     def credible_set(self) -> list[str]:
-        """The fewest causes of the place, the most probable first, that hold 90 % of it."""
-        place = {self.name: self.probability, **self.alternatives}
-        total, out, held = sum(place.values()), [], 0.0
-        for name in sorted(place, key=lambda n: -place[n]):
+        """The fewest causes of the place, the most probable first, that hold 90 % of its calibrated
+        shares.
+        """
+        shares = calibrated_shares({self.name: self.posterior, **self.alternatives})
+        out, held = list[str](), 0.0
+        for name in sorted(shares, key=lambda n: -shares[n]):
             out.append(name)
-            held += place[name]
-            if held >= CREDIBLE_SET_PROBABILITY * total:
+            held += shares[name]
+            if held >= CREDIBLE_SET_PROBABILITY:
                 break
         return out

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from .calibration import calibrated_probability
 from .candidates import Candidate
 from .named_cause import CREDIBLE_SET_PROBABILITY, NamedCause
 from .posterior import Posterior
@@ -23,8 +24,9 @@ ReportedModel = TypeVar("ReportedModel")
 @dataclass(frozen=True)
 class ChosenCauses(Generic[ReportedModel]):
     """named: probable causes with a significant strength, in the order of the most probable set;
-    insignificant: the other probable causes. unexplained: probability of a force that no candidate
-    describes. best: the most probable set of the named causes; model: that set as it is reported.
+    insignificant: the other probable causes. unexplained: calibrated probability of a force that no
+    candidate describes. best: the most probable set of the named causes; model: that set as it is
+    reported.
     """
 
     named: list[NamedCause]
@@ -37,7 +39,7 @@ class ChosenCauses(Generic[ReportedModel]):
 def named_causes(
     found: Posterior, candidates: Mapping[str, Candidate]
 ) -> tuple[list[NamedCause], float]:
-    """Causes that are probably there, and the probability of an unlisted force.
+    """Causes that are probably there, and the posterior probability of an unlisted force.
 
     A place of the most probable set has the name of the most probable cause that may fill it: where
     that one is more probable than not, or where one of them acts with `CREDIBLE_SET_PROBABILITY`.
@@ -53,9 +55,12 @@ def named_causes(
         unlisted = sum(q for n, q in place.items() if n in residual)
         if not listed or unlisted > MIN_NAMED_PROBABILITY:
             continue
-        leader = max(listed, key=lambda n: listed[n])
+        leader = max(listed, key=lambda n: found.inclusion[n])
+        if leader in {c.name for c in out}:
+            continue
         if found.inclusion[leader] > MIN_NAMED_PROBABILITY or taken > CREDIBLE_SET_PROBABILITY:
-            others = {n: q for n, q in place.items() if n != leader and n not in best.causes}
+            others = {n: q for n, q in listed.items() if n != leader}
+            others |= {UNEXPLAINED: unlisted} if unlisted > 0.0 else {}
             out.append(NamedCause(leader, found.inclusion[leader], others))
     names = {c.name for c in out}
     out += [NamedCause(n, q, {}) for n, q in found.inclusion.items()
@@ -107,7 +112,8 @@ def choose_causes(
             named, candidates, strength_estimates(fitted, candidates)
         )
         if not insignificant:
-            return ChosenCauses(named, left_out, unexplained, best, model)
+            stated = calibrated_probability(unexplained)
+            return ChosenCauses(named, left_out, stated, best, model)
         left_out += insignificant
         named = [c for c in named if c not in insignificant]
 

@@ -23,6 +23,7 @@ from ..engine import (
     search_sets,
     without_discrepancy,
 )
+from ..engine.calibration import calibrated_probability
 from ..engine.naming import MIN_NAMED_PROBABILITY, UNEXPLAINED, log_evidence_gain
 from ..engine.problem import no_progress
 from ..engine.set_score import score_set
@@ -143,7 +144,7 @@ def explain(
     return CauseSearchResult(
         ready, found, verdict_of(model, named, chosen.unexplained), tuple(named), gains,
         chosen.unexplained,
-        {n: found.inclusion.get(n, 0.0) for n in names},
+        {n: calibrated_probability(found.inclusion.get(n, 0.0)) for n in names},
         fit_by_criterion(problem, bare.model, errors.fitted_to[0]),
         fit_by_criterion(problem, final, errors.fitted_to[1]), tuple(own), tuple(base), best,
         errors, (*map(insignificance_sentence, chosen.insignificant), *warnings),

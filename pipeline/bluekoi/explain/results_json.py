@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -67,11 +66,16 @@ def verdict_sentence(found: CauseSearchResult) -> str:
         )
     if found.verdict == "none":
         return "No mismatch beyond the noise: no candidate has a probability above 1/2."
-    said = [f"{c.name} ({c.probability:.2f}): {found.model.by_name[c.name].statement}"
-            for c in found.named]  # fmt: skip
+    said = [f"{c.name} ({c.probability:.2f}{_or_others(c)}): "
+            f"{found.model.by_name[c.name].statement}" for c in found.named]  # fmt: skip
     if found.verdict == UNEXPLAINED:
         said.append(f"A force acts that no candidate describes ({found.unexplained:.2f}).")
     return " ".join(said)
+
+
+def _or_others(cause: NamedCause) -> str:
+    others = [n for n in cause.credible_set if n != cause.name]
+    return f"; or {', '.join(others)}: these trials cannot separate them" if others else ""
 
 
 def error_over_floor(found: CauseSearchResult) -> float:
@@ -100,7 +104,7 @@ def _cause_json(found: CauseSearchResult, named: NamedCause) -> dict[str, Any]:
         "regime": cause.regime,
         "parameters": {k.split(".", 1)[1]: v for k, v in _numbers_json(own).items()},
         "weight": named.probability,
-        "credible_set": [_name_or_unexplained(found, n) for n in named.credible_set],
+        "credible_set": named.credible_set,
         "log_evidence_gain": _finite_or_none(found.gains[named.name]),
         "sentence": cause.statement,
     }
@@ -108,26 +112,24 @@ def _cause_json(found: CauseSearchResult, named: NamedCause) -> dict[str, Any]:
 
 def rivals_json(found: CauseSearchResult) -> list[dict[str, Any]]:
     """Candidates that may act in the place of a named cause, or beside the named ones."""
-    return rival_rows(found.named, found.probabilities, partial(_name_or_unexplained, found))
+    return rival_rows(found.named, found.probabilities)
 
 
 def rival_rows(
-    named: Sequence[NamedCause], inclusion: Mapping[str, float], shown: Callable[[str], str]
+    named: Sequence[NamedCause], probabilities: Mapping[str, float]
 ) -> list[dict[str, Any]]:
-    """Rivals of named causes: name as shown, in_place_of (empty: beside them) and weight."""
+    """Rivals of named causes: name, in_place_of (empty: beside them) and weight; all members of
+    credible sets, and other candidates of at least `MIN_RIVAL_PROBABILITY`.
+    """
     taken, out = {c.name for c in named}, list[dict[str, Any]]()
+    members = {n for c in named for n in c.credible_set}
     pairs = [(c.name, n, p) for c in named for n, p in c.alternatives.items()]
-    pairs += [("", n, p) for n, p in inclusion.items()]
-    for place, other, p in pairs:
-        name = shown(other)
-        if p >= MIN_RIVAL_PROBABILITY and name not in taken:
+    pairs += [("", n, p) for n, p in probabilities.items()]
+    for place, name, p in pairs:
+        if name not in taken and (p >= MIN_RIVAL_PROBABILITY or name in members):
             taken.add(name)
             out.append({"name": name, "in_place_of": place, "weight": p})
     return sorted(out, key=lambda r: -float(r["weight"]))
-
-
-def _name_or_unexplained(found: CauseSearchResult, name: str) -> str:
-    return name if name in found.model.by_name else UNEXPLAINED
 
 
 def residual_term_probabilities(found: CauseSearchResult) -> dict[str, float]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..engine import NamedCause
+from ..engine.calibration import calibrated_probability
 from ..engine.naming import UNEXPLAINED
 from ..explain.results_json import rival_rows
 from ..fitting import Series
@@ -23,12 +24,11 @@ from .sentences import unexplained_sentence, verdict_sentence
 def mismatch_json(found: MismatchResult, study: Study, series: Sequence[Series]) -> dict[str, Any]:
     """Content of mismatch.json as the contract lists it."""
     named = causes_json(found)
-    others = rivals_json(found)
     return {
         "verdict": found.verdict,
-        "sentence": verdict_sentence(found, named, others),
+        "sentence": verdict_sentence(found, named),
         "causes": named,
-        "rivals": others,
+        "rivals": rivals_json(found),
         "probabilities": probabilities(found),
         "where": dependence_json(found),
         "held_out": {
@@ -46,10 +46,11 @@ def mismatch_json(found: MismatchResult, study: Study, series: Sequence[Series])
 
 
 def probabilities(found: MismatchResult) -> dict[str, float]:
-    """Inclusion probability of every named candidate and of an unlisted force."""
+    """Calibrated probability of every named candidate and of an unlisted force."""
     names = [e.name for e in plates().effects if e.kind in ("physics", "measurement")]
-    inclusion = {name: found.posterior.inclusion.get(name, 0.0) for name in names}
-    return inclusion | {UNEXPLAINED: found.unexplained}
+    inclusion = found.posterior.inclusion
+    stated = {name: calibrated_probability(inclusion.get(name, 0.0)) for name in names}
+    return stated | {UNEXPLAINED: found.unexplained}
 
 
 def causes_json(found: MismatchResult) -> list[dict[str, Any]]:
@@ -67,15 +68,10 @@ def _cause_json(found: MismatchResult, cause: NamedCause) -> dict[str, Any]:
         "regime": _regime_text(found, effect),
         "parameters": _parameters_json(found, cause.name),
         "weight": cause.probability,
-        "credible_set": credible_set(cause),
+        "credible_set": cause.credible_set,
         "log_evidence_gain": found.gains[cause.name],
         "sentence": effect.statement,
     }
-
-
-def credible_set(cause: NamedCause) -> list[str]:
-    """The fewest causes of a place, the most probable first, that hold 90 % of it."""
-    return [_name_or_unexplained(n) for n in cause.credible_set]
 
 
 def _regime_text(found: MismatchResult, effect: Effect) -> str:
@@ -134,15 +130,10 @@ def _term_channels(term: str) -> tuple[str, ...]:
 
 def rivals_json(found: MismatchResult) -> list[dict[str, Any]]:
     """Candidates that may act in the place of a named cause, or beside the named ones."""
-    inclusion = {n: p for n, p in found.posterior.inclusion.items() if not is_residual(n)}
-    rows = rival_rows(found.named, inclusion, _name_or_unexplained)
     return [
-        r | {"how_to_tell_apart": _where_to_distinguish(r["in_place_of"], r["name"])} for r in rows
+        r | {"how_to_tell_apart": _where_to_distinguish(r["in_place_of"], r["name"])}
+        for r in rival_rows(found.named, probabilities(found))
     ]
-
-
-def _name_or_unexplained(name: str) -> str:
-    return UNEXPLAINED if is_residual(name) else name
 
 
 def _where_to_distinguish(name: str, other: str) -> str:

@@ -10,15 +10,11 @@ from ..tuning import coefficient_table
 from .find import MismatchResult
 
 MIN_UNSTATED_PROBABILITY = 0.8
-MIN_RIVAL_PROBABILITY = 0.1
-"""A rival with this probability or more is stated beside the cause."""
 MAX_NOISE_FLOOR_RATIO = 1.5
 """Held-out errors of the true model exceed this multiple of the noise floor in 3 of 236 studies."""
 
 
-def verdict_sentence(
-    found: MismatchResult, named: Sequence[Mapping[str, Any]], others: Sequence[Mapping[str, Any]]
-) -> str:
+def verdict_sentence(found: MismatchResult, named: Sequence[Mapping[str, Any]]) -> str:
     """One sentence of verdict."""
     if found.verdict == "none":
         return _no_cause_sentence(found)
@@ -29,8 +25,8 @@ def verdict_sentence(
     if found.verdict == UNEXPLAINED:
         beside = f"{first}; in addition a" if first else "A"
         return f"{beside} force acts that no listed cause describes; {errors}{excess}."
-    doubt = sorted({str(r["name"]) for r in others
-                    if r["in_place_of"] and r["weight"] >= MIN_RIVAL_PROBABILITY})  # fmt: skip
+    members = {n for c in named for n in c.get("credible_set", ())} - {c["name"] for c in named}
+    doubt = ["an unlisted force" if n == UNEXPLAINED else n for n in sorted(members)]
     instead = f" (or {', '.join(doubt)}: these trials cannot separate them)" if doubt else ""
     return f"{first}{instead}; {errors}{excess}."
 

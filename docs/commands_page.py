@@ -17,9 +17,8 @@ from bluekoi.cli import main
 PAGE = Path(__file__).resolve().parent / "commands.md"
 HEAD = """# Commands
 
-Made by `python docs/commands_page.py` from the commands themselves; edit those.
-`bluekoi COMMAND --help` shows the same. [Running a study](running.md) has exit codes, shell
-completion and troubleshooting."""
+`bluekoi COMMAND --help` shows the same text as this page. [Running a study](running.md) explains
+exit codes, shell completion and troubleshooting."""
 
 
 def page() -> str:

@@ -17,9 +17,6 @@ PACKAGE = HERE.parent / "pipeline/bluekoi"
 FOLDERS = {"effects": "Physics", "measurement": "Measurement errors"}
 HEAD = """# Candidate causes
 
-Made by `python docs/effects_page.py` from the files of `pipeline/bluekoi/effects/` and
-`pipeline/bluekoi/measurement/`; edit those.
-
 A candidate is a physical effect that may be missing from the published model of the robot, or a
 possible error of the measurement. The finder (search for missing causes) fits each candidate
 together with the coefficients of the model.
@@ -28,17 +25,18 @@ The axes are surge forward, sway to the left and yaw counter-clockwise. In the f
 are the velocity along and across the core (the rigid body behind the head), `V` the speed, `r` the
 yaw rate, `rho` the density of the water, `A` the area of the head plate, `T` the thrust, `f` the
 flapping frequency, `phi` the head angle, `alpha` the angle of attack of the head plate, and `X`,
-`Y`, `N` are forces in surge and sway and the yaw moment. In moments of the head, `q` is
-the force 1/2 rho A V^2, the dynamic pressure times the area `A`.
-The coefficients `C_...` are those of the paper ([The model](paper.md)).
+`Y`, `N` are forces in surge and sway and the yaw moment. In the moments `q C_...` of the head, `q`
+is the force 1/2 rho A V^2, the dynamic pressure times the area `A`. The coefficients `C_...` are
+those of the paper ([The model](paper.md)). All other letters are defined for one candidate at a
+time, in its text or in the second column of its table.
 
 In the tables, "start" is the value from which a fit starts, and "from" and "to" are the bounds of a
 parameter. Many formulas contain "the part w" or a similar share: 0 gives the simple form of the
 effect, and 1 replaces it by the other form.
 
-Below a table, "Forms" lists published formulas that the effect includes, and scales such as a short
-lag. In brackets are the values of the shape parameters that give the form; shape parameters that
-are not mentioned have their start values. The finder tries each form.
+Below a table, "Forms" lists variants of the effect: published formulas, or other values of a length
+or of a time, such as a short lag. In brackets are the values of the shape parameters that give the
+form; shape parameters that are not mentioned have their start values. The finder tries each form.
 """
 
 

@@ -13,10 +13,9 @@ from bluekoi.study.key_reference import FILE_MODELS, keys
 PAGE = Path(__file__).resolve().parent / "study_keys.md"
 HEAD = """# Keys of a study
 
-Made by `python docs/study_keys_page.py` from the fields in `pipeline/bluekoi/study/` (`setup.py`,
-`types.py`); edit those. `bluekoi check --explain KEY` shows one of them. A key that is not listed
-is refused. Units are SI where the name says nothing else; angles are counter-clockwise positive,
-seen from above."""
+This page lists the keys of `study.yaml` and the columns of `trials.csv`. A key that is not listed
+is refused. `bluekoi check --explain KEY` shows the line of one key. Quantities have SI units if
+their name does not state another unit. Angles are positive counter-clockwise, seen from above."""
 
 
 def page() -> str:

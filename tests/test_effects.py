@@ -517,7 +517,7 @@ def test_crossflow_drag_of_a_deep_tail() -> None:
     """A tail of 0.07 m, two spans deep, that moves sideways at 0.2 - 0.206 m x 0.5 rad/s."""
     effect, motion = plates().effect("crossflow_drag"), np.array([0.0, 0.2, 0.5])
     added = np.subtract(
-        call_effect(effect, "force", motion, w=2.0), call_effect(effect, "force", motion, w=0.0)
+        call_effect(effect, "force", motion, j=2.0), call_effect(effect, "force", motion, j=0.0)
     )
     Y = -0.5 * 1000 * 0.5 * 2 * 0.069 * 0.07 * (0.2 - 0.206 * 0.5) ** 2
     assert added == pytest.approx([0.0, Y, -0.206 * Y])

@@ -25,13 +25,15 @@ MAX_SHOWN_ERROR_PCT = 1000.0
 
 @dataclass(frozen=True)
 class Campaign:
-    """Results of one study, by trial id; a trial that failed is in `statuses` alone.
+    """A study (a series of trials, or campaign) with all results of its run.
 
-    geometry: content of geometry.json, None before it is there.
-    coefficients: content of coefficients.json, empty before the tuning. mismatch and
-    mismatch_detail: content of mismatch.json and mismatch_detail.json, None before the search.
-    simulations: columns of simulations/ID.csv and extended/ID.csv, model paths from each trial's
-    fitted start.
+    Mappings are by trial id. A trial that failed appears only in `statuses`.
+
+    - coefficients: content of coefficients.json, empty before the fit of the coefficients;
+    - mismatch, mismatch_detail: content of these json files, None before the search for causes;
+    - simulations: columns of simulations/ID.csv and extended/ID.csv, paths that are simulated from
+      the fitted initial state of each trial;
+    - geometry: content of geometry.json, None before the geometry check.
     """
 
     study: Study
@@ -63,12 +65,14 @@ class Campaign:
 
     @property
     def has_additions(self) -> bool:
-        """Whether the search put anything into the model: else before and after are one model."""
+        """Whether causes were added to the model; if not, there is no extended model."""
         causes = (self.mismatch or {}).get("causes") or []
         return any(cause.get("parameters") for cause in causes)
 
     def model_columns(self, trial_id: str) -> Mapping[str, Float]:
-        """Columns of a trial's model paths; those after only where they are another model's."""
+        """Columns of the simulated paths of a trial. Those of the extended model (`extended_...`)
+        are included only if causes were added.
+        """
         columns = self.simulations.get(trial_id, {})
         if self.has_additions:
             return columns
@@ -95,7 +99,9 @@ class Campaign:
 
     @property
     def held_out_models(self) -> tuple[str, ...]:
-        """Models with errors on held-out trials: one alone where nothing was added to it."""
+        """Models with errors on held-out trials: the baseline, and the extended model if causes
+        were added.
+        """
         return ("baseline", "extended") if self.has_additions else ("baseline",)
 
     def held_out_error(self, model: str, key: str) -> float:
@@ -121,10 +127,12 @@ def load_campaign(
 ) -> Campaign:  # fmt: skip
     """What stands in a results folder for a study; files that are not there yet are left out.
 
-    trial_ids: read the files of these trials only (an overlay needs one of a thousand). measured:
-    what was measured alone, nothing that a fit has written: two fits may be at work at once.
+    trial_ids: read only the files of these trials. measured: read only the files of the measurement
+    (tracks, poses, steady state, geometry), not those of the fits, which another process may be
+    writing.
 
-    The study of the campaign has the keypoint depth that its tracks were made with.
+    `campaign.study` differs from `study` in one value: `keypoint_depth_m` is the depth with which
+    the tracks were computed, which may be an estimate.
 
     Raises: InputError where a file is there and cannot be read.
 

@@ -24,16 +24,20 @@ SECONDS_PER_PICTURE = 1.0  # a photograph of 12 megapixels, its share of the fit
 @click.argument("images", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--pattern", default="9x6", show_default=True, help="Inner corners of the board.")
 @click.option("--square-mm", default=25.0, show_default=True, help="Side of a square.")
-@click.option("--board", default="chessboard", show_default=True, help="Kind of board.")
+@click.option(
+    "--board", default="chessboard", show_default=True, help="Kind of board: chessboard or charuco."
+)
 @click.option("--model", default="auto", show_default=True, help="Lens model.",
               type=click.Choice(["auto", "pinhole", "fisheye"]))  # fmt: skip
-@click.option("--out", default="camera.yaml", show_default=True, type=click.Path(path_type=Path))
+@click.option("--out", default="camera.yaml", show_default=True, type=click.Path(path_type=Path),
+              help="File for the camera section.")  # fmt: skip
 def calibrate(
     *, images: tuple[Path, ...], pattern: str, square_mm: float, board: str, model: str, out: Path
 ) -> None:
     """Calibrate the lens from photographs or videos of a board, or take a lens-profile json.
 
-    Writes the camera section for study.yaml, and a picture of coverage and residuals beside it.
+    Writes two files: OUT with the camera section for study.yaml, and a picture of the same name
+    that shows where the board appeared in the image, with the reprojection errors.
     """
     from ..camera.lens_calibration import calibrate_files  # noqa: PLC0415
     from ..errors import input_error  # noqa: PLC0415
@@ -62,19 +66,20 @@ def calibrate(
     "--trial",
     "trial_id",
     type=TrialName(),
-    help="Trial to take the frame from; else the first filmed.",
+    help="Trial to take the frame from. Default: the first row of trials.csv with a video.",
 )
-@click.option("--out", default="pool.png", show_default=True, type=click.Path(path_type=Path))
+@click.option("--out", default="pool.png", show_default=True, type=click.Path(path_type=Path),
+              help="Picture to write.")  # fmt: skip
 @click.pass_context
 def pool(
     ctx: click.Context, study: Path, frame: Path | None, trial_id: str | None, out: Path
 ) -> None:
     """Draw the pool corners of STUDY on FRAME, and check them against the edges seen.
 
-    FRAME is a picture or a video, looked for here and in STUDY; default: the first frame of a
-    trial. If study.yaml has no corners yet, the frame is drawn with a pixel grid to read them off;
-    nothing else has to be filled in for that. The exit code is 0 only if the edges are found with
-    certainty and confirm the given corners.
+    FRAME is a picture or a video in the current folder or in STUDY. Without FRAME, the first frame
+    of a trial is used. If study.yaml has no corners yet, the frame is drawn with ruled lines, from
+    which their pixel coordinates can be read; study.yaml may be incomplete. The exit code is 0 only
+    if the edges are found with certainty and confirm the given corners.
     """
     from ..camera.pixel_grid import frame_with_pixel_grid  # noqa: PLC0415
     from ..camera.pool_corner_check import pool_corners_picture  # noqa: PLC0415

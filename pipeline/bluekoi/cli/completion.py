@@ -17,7 +17,8 @@ def completion(shell: str) -> None:
     zsh:  bluekoi completion zsh > a folder of $fpath, as _bluekoi
     fish: bluekoi completion fish > ~/.config/fish/completions/bluekoi.fish
 
-    A new shell then knows it.
+    These commands install the script; it works in the next shell. `bluekoi completion` in the
+    start-up file of the shell does the same, but slows down each start.
     """  # noqa: D301  click's mark for lines that keep their breaks
     from click.shell_completion import get_completion_class  # noqa: PLC0415
 

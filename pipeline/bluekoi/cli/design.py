@@ -23,9 +23,15 @@ if TYPE_CHECKING:
 @click.option("--results", type=click.Path(path_type=Path), help="Default: results/STUDY.")
 @click.option("--model", type=click.Choice(["joint", "extended"]),
               help="Default: extended by the causes found, where there are any.")  # fmt: skip
-@click.option("--powers", type=NumberList(0, 300), default="50:150:25", show_default=True, help="%")
+@click.option(
+    "--powers",
+    type=NumberList(0, 300),
+    default="50:150:25",
+    show_default=True,
+    help="Motor powers in %: a list, or start:stop:step.",
+)
 @click.option("--angles-deg", type=NumberList(-120, 120), default="10:60:5",
-              show_default=True)  # fmt: skip
+              show_default=True, help="Head angles.")  # fmt: skip
 @click.option("--lengths-m", type=NumberList(0.001, 10), default="0.04:0.24:0.02",
               show_default=True,
               help="Head lengths.")  # fmt: skip
@@ -33,7 +39,11 @@ if TYPE_CHECKING:
               help="Values of another key of `robot`, e.g. mass_kg=0.5,0.7.")  # fmt: skip
 @click.option("--speed-m-s", type=FiniteNumber(min=0), default=0.0, show_default=True,
               help="Lowest speed of the turn.")  # fmt: skip
-@click.option("--tested-only", is_flag=True, help="Restrict the answer to the tested range.")
+@click.option(
+    "--tested-only",
+    is_flag=True,
+    help="Consider only powers, head angles and head lengths within the range of the trials.",
+)
 @click.option("--out", type=click.Path(path_type=Path), help="Folder; default: RESULTS/design.")
 def design(
     *, study: Path, results: Path | None, model: str | None, powers: tuple[float, ...], angles_deg:

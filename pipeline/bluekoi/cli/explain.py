@@ -49,7 +49,10 @@ def explain(
     *, model: Path, data: Path, out: Path | None, others: tuple[Path, ...], left_out: bool, known_s:
     float, candidates: str | None, without: str | None, sets: tuple[str, ...], quiet: bool,
 ) -> None:  # fmt: skip
-    """Find the causes that the model in MODEL.py lacks to describe the recordings in DATA.
+    """Find what must be added to the model in MODEL.py to describe the recordings in DATA.
+
+    MODEL.py defines a dynamic model and candidate causes, DATA is a csv file or a folder of them
+    (page "A model and recordings of your own" of the documentation).
 
     MODEL.py is run as a program: use only files that you would run yourself. Writes
     explanation.json, explanation.md and report.html.

@@ -42,10 +42,10 @@ INDIVIDUAL_NAME = "robot"
     "--trial", "trials", type=TrialName(), multiple=True, help="Only this trial; may be repeated."
 )
 def export(study: Path, results: Path | None, out: Path | None, trials: tuple[str, ...]) -> None:
-    """Write the tracks of STUDY as netCDF for `movement` (0.17 or newer), coefficients as csv.
+    """Write tracks of STUDY as netCDF for the Python package `movement` (0.17 or newer).
 
-    One file a trial, OUT/ID.nc, smoothed keypoints in the pool frame in metres; OUT is
-    RESULTS/export without --out.
+    Each trial has one file OUT/ID.nc with the smoothed keypoints in pool coordinates, in metres.
+    The coefficients are written as OUT/coefficients.csv. Without --out, OUT is RESULTS/export.
     """
     from ..campaign import load_campaign  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415

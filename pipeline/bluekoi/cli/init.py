@@ -22,12 +22,13 @@ HEAD_LENGTH_HELP = "1x head, nose to hinge, m; filled in for every trial."
 @click.option("--study", type=NonEmptyPath(path_type=Path), help="Folder of the study.")
 @click.option("--head-length-m", type=click.FloatRange(0, 10, min_open=True), help=HEAD_LENGTH_HELP)
 def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | None) -> None:
-    """Write study.yaml and trials.csv for VIDEOS, keypoint files, or all that a folder holds.
+    """Write study.yaml and trials.csv for VIDEOS: videos, keypoint files, or a folder with them.
 
-    The folder of the study is the one given with --study, else that of the files, else the current
-    one. Motor logs in it are matched by name; power and head angle are read from names such as
-    p50_phi-20.mp4. Keys that the files do not determine are left empty, with a comment on their
-    meaning and unit; `bluekoi check` lists them. No file is overwritten.
+    The files are written into the folder given with --study. Without --study, this is the folder of
+    VIDEOS, or the current folder if no VIDEOS are given. Motor logs in the folder are matched to
+    the recordings by name. Power and head angle are read from names such as p50_phi-20.mp4. Keys
+    that the files do not determine are left empty, with a comment on their meaning and unit;
+    `bluekoi check` lists them. No file is overwritten.
     """
     from ..errors import input_error  # noqa: PLC0415
     from ..files import write_text  # noqa: PLC0415

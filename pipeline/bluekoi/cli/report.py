@@ -41,7 +41,9 @@ def results_folder(study: Path, results: Path | None) -> Path:
 @click.option("--open", "shown", is_flag=True, help="Open the page in the browser.")
 @click.pass_context
 def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -> None:
-    """Show the verdict on STUDY, its warnings and causes, and where its report is."""
+    """Show the verdict on STUDY (default: the demo), its warnings and causes, and the place of its
+    report.
+    """
     from ..errors import escape_control_characters  # noqa: PLC0415
     from ..files import read_json  # noqa: PLC0415
     from ..stages.layout import Layout  # noqa: PLC0415

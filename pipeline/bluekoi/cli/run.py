@@ -110,9 +110,9 @@ def check_cores(_ctx: click.Context, _param: click.Parameter, value: str) -> str
 def run(
     ctx: click.Context, study: str, results: Path | None, cores: str, further: tuple[str, ...]
 ) -> None:
-    """Analyse STUDY, a folder or `demo`; results that are up to date are kept.
+    """Analyse STUDY: a folder, or `demo` (the default). Results that are up to date are kept.
 
-    FURTHER options go to Snakemake as they stand, after `--`.
+    Write further options for Snakemake after `--`.
     """
     os.environ[COMMAND_VARIABLE] = shlex.join(["bluekoi", *sys.argv[1:]])
     returned = _run_process(snakemake_command(study, results, cores, further))

@@ -30,7 +30,7 @@ def setup(study: Path, results: Path | None, port: int, browser: bool) -> None:
     """Fill in the files of STUDY in the browser, starting from a folder of videos.
 
     The page is served on this machine alone, at an address with a random token, until Ctrl-C.
-    Nothing is written before it is saved there.
+    No file is written before you click Save on the page.
     """
     from ..errors import input_error  # noqa: PLC0415
     from ..preparation.draft import read_draft  # noqa: PLC0415

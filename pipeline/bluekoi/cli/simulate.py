@@ -38,12 +38,14 @@ PICTURE_SUFFIXES = (".png", ".pdf", ".svg")
 @click.option("--schedule", type=click.Path(path_type=Path),
               help="csv of commands: time_s, head_angle_deg, power_pct or flap_hz.")  # fmt: skip
 @click.option("--manoeuvre", type=click.Choice(MANOEUVRE_NAMES),
-              help="Standard manoeuvre with this frequency, angle and duration.")  # fmt: skip
+              help="Standard manoeuvre, with the frequency, head angle and duration "
+              "of the other options.")  # fmt: skip
 @click.option("--head-length-m", type=FiniteNumber(0, 10, min_open=True), help="Default: 1x.")
 @click.option("--seconds", type=FiniteNumber(0.1, 600),
               help="Default: 10, or to the end of the schedule if that is later.")  # fmt: skip
 @click.option("--results", type=click.Path(path_type=Path),
-              help="Results whose fit is used; else Table I of the paper at 100 %.")  # fmt: skip
+              help="Results whose fit is used. Default: Table I of the paper "
+              "for 100 % motor power.")  # fmt: skip
 @click.option("--model", type=click.Choice(["joint", "extended"]),
               help="Default: extended by the causes found, where there are any.")  # fmt: skip
 @click.option("--out", type=click.Path(path_type=Path), help="csv to write the path to.")

@@ -14,7 +14,8 @@ Munk moment acts.
 
 The added mass and inertia also act when the robot starts from rest.
 
-Source: Fossen, Handbook of Marine Craft Hydrodynamics (2011), sec. 6.3; Newman (1977), sec. 4.13.
+Source: Fossen, Handbook of Marine Craft Hydrodynamics (2011), sec. 6.3; Newman, Marine
+Hydrodynamics (1977), sec. 4.13.
 """
 
 from __future__ import annotations

@@ -10,7 +10,8 @@ because the voltage settles under load. With w = 0 it is -k t T at all times. Wi
 is larger at a higher flapping frequency.
 
 Thrust is proportional to f^2. Therefore a motor log, or the tail beat in the video, shows the
-effect as a falling frequency, whose relative loss is half that of the thrust.
+effect as a falling frequency, whose relative loss is half that of the thrust. The f of the model is
+constant in a trial, so that the loss is not counted twice.
 
 Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries, ch.
 2).

@@ -25,7 +25,7 @@ KIND = "physics"
 CHANNELS = ("surge", "sway")
 VARIABLES = ("speed",)
 STATEMENT = "A nearly constant friction force acts against the motion, independent of the speed."
-REGIME = "lowest speeds: start-up and 50 % power"
+REGIME = "lowest speeds: start-up and the smallest power"
 CONFUSED_WITH = ("viscous_drag", "thrust_loss_with_speed")
 PARAMETERS = (
     Parameter("F_c", "N", 0.02, 0.0, 1.0, "sliding friction"),

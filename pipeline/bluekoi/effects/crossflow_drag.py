@@ -11,12 +11,13 @@ The force is quadratic in w. The part e of it grows as w^(3/2) instead, as with 
 that falls with the Reynolds number. C is the drag coefficient. The force vanishes in straight
 swimming.
 
-d_x is the vertical depth of the body at x. It falls linearly from (1 + q) times the span of the
-head at the hinge to (1 - q) times this span at the tail base. The force is integrated from the
-hinge to the tail base (five Gauss points). The tail behind it is one strip, with a depth of
-`tail_depth` times the span of the head.
+d_x is the height of the body at x. It falls linearly from (1 + q) times the span of the head at the
+hinge to (1 - q) times this span at the tail base. The force is integrated from the hinge to the
+tail base (five Gauss points). The tail behind the tail base is one more section, j times as high as
+the span of the head.
 
-Source: Hoerner (1965), ch. 3; Fossen (2011), sec. 6.4.3 (cross-flow drag, ITTC strip form).
+Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 3; Fossen, Handbook of Marine Craft Hydrodynamics
+(2011), sec. 6.4.3 (cross-flow drag, ITTC strip form).
 """
 
 from __future__ import annotations
@@ -36,10 +37,10 @@ REGIME = "tight turns with much sideways motion"
 CONFUSED_WITH = ("tail_fin_lift", "linear_yaw_damping", "stall")
 PARAMETERS = (
     Parameter("drag_coefficient", "1", 0.5, 0.0, 5.0, "of a section across the flow", symbol="C"),
-    Parameter("taper", "1", 0.1, -0.8, 0.8, "how much deeper the body is at the hinge",
+    Parameter("taper", "1", 0.1, -0.8, 0.8, "height at the hinge over the mean height, minus 1",
               spread=0.3, symbol="q"),
-    Parameter("tail_depth", "1", 0.0, 0.0, 3.0, "depth of the tail behind its base, in head spans",
-              spread=0.5, symbol="w"),
+    Parameter("tail_depth", "1", 0.0, 0.0, 3.0, "height of the tail behind its base, in head spans",
+              spread=0.5, symbol="j"),
     Parameter("reynolds_share", "1", 0.0, 0.0, 1.0, "part that grows as the 1.5th power",
               spread=0.5, symbol="e"),
 )  # fmt: skip
@@ -58,7 +59,7 @@ def section(w: float, e: float) -> float:
 
 def force(
     rho: float, span: float, x_hinge: float, x_tail: float, l_tail: float, vc: float, rc: float, C:
-    float, q: float, w: float, e: float,
+    float, q: float, j: float, e: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Sway (N) and yaw (N m) from five strips between hinge and tail base, and one behind."""
     middle, half = 0.5 * (x_hinge - x_tail), 0.5 * (x_hinge + x_tail)
@@ -72,6 +73,6 @@ def force(
     Ye = k * (1.0 + ga * q) * 0.2369268850561891 * ve * section(ve, e)
     xt = -x_tail - 0.5 * l_tail
     vt = vc + xt * rc
-    Yt = -0.5 * rho * C * span * l_tail * w * vt * section(vt, e)
+    Yt = -0.5 * rho * C * span * l_tail * j * vt * section(vt, e)
     N = xa * Ya + xb * Yb + middle * Ym + xc * Yd + xd * Ye + xt * Yt
     return 0.0, Ya + Yb + Ym + Yd + Ye + Yt, N

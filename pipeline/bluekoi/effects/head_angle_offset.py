@@ -24,7 +24,7 @@ STATEMENT = (
     "The head does not stand at the commanded angle: a constant offset bends straight runs and "
     "makes turns to the two sides unequal."
 )
-REGIME = "all trials, with the same sign"
+REGIME = "all trials; a constant offset with the same sign in all of them"
 CONFUSED_WITH = ("trim_moment", "port_starboard_asymmetry", "keypoint_bias")
 PARAMETERS = (
     Parameter("offset", "rad", 0.02, -0.4, 0.4, "counter-clockwise positive", symbol="d"),

@@ -11,8 +11,9 @@ that turning gives to sections of a body that swims ahead.
 The moment vanishes without rotation. Relative to the quadratic damping of the model, C_Md r |r|, it
 is largest in slow turns.
 
-Source: Fossen (2011), sec. 6.4 (linear damping, potential and skin friction); Schlichting and
-Gersten, Boundary-Layer Theory (2017), sec. 6.5; Newman (1977), sec. 7.9 (lift of a slender body).
+Source: Fossen, Handbook of Marine Craft Hydrodynamics (2011), sec. 6.4 (linear damping, potential
+and skin friction); Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5; Newman, Marine
+Hydrodynamics (1977), sec. 7.9 (lift of a slender body).
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ STATEMENT = (
 REGIME = "turns, mostly at low yaw rate and low power"
 CONFUSED_WITH = ("tail_fin_lift", "crossflow_drag", "viscous_drag")
 PARAMETERS = (
-    Parameter("N_r", "N m s", 0.005, 0.0, 0.3, "moment at 0.5 rad/s and 0.3 m/s over 0.5 rad/s"),
+    Parameter("N_r", "N m s", 0.005, 0.0, 0.3, "moment over yaw rate, at 0.5 rad/s and 0.3 m/s"),
     Parameter("laminar_share", "1", 0.0, 0.0, 1.0, "part that grows as r^1.5",
               spread=0.5, symbol="p"),
     Parameter("speed_share", "1", 0.0, 0.0, 1.0, "part that grows as V r",

@@ -1,7 +1,6 @@
 """Spin-up of the motor.
 
-With the time t since the motor was started, and t = 0 during the dead time t_d, the flapping
-frequency is
+The motor stands still during the dead time t_d. At the time t since then, the flapping frequency is
 
     f(t) = f (1 - k ((1 - w) exp(-t / tau) + w ((1 - q) z + q z^2 (3 - 2 z)))),
     z = max(1 - t / (2 tau), 0)
@@ -14,7 +13,7 @@ In all these forms, the motor loses the time k (tau + t_d): its phase stays behi
 with immediate full speed by f times this time. A motor log shows this lost time
 (`motor/spin_up.py`).
 
-Source: Nise (2015), sec. 2.8 (motor with load, first order).
+Source: Nise, Control Systems Engineering (2015), sec. 2.8 (motor with load, first order).
 """
 
 from __future__ import annotations

@@ -2,16 +2,20 @@
 
 There are two forms of the rotation of the water in a pool of length L and width W. In the first
 form, the stream function is proportional to sin(pi x / L) sin(pi y / W), so that no water crosses
-the walls. G is the largest speed along the long walls. The part c of it is two such cells side by
-side, which rotate in opposite directions: sin(2 pi x / L) sin(pi y / W).
+the walls. G is the largest speed along the long walls. The part c of the first form is replaced by
+two eddies side by side, which rotate in opposite directions: sin(2 pi x / L) sin(pi y / W).
 
-The part b of the flow has the second form, a vortex about the middle of the pool. At the distance r
-from the middle, its azimuthal velocity is
+The part b of the flow has the second form, a vortex about the middle of the pool. At the distance D
+from the middle, the speed of the water is
 
-    v = 2 G (r / a) / (1 + (r / a)^2)
+    U = 2 G (D / a) / (1 + (D / a)^2)
 
-It is largest at r = a, the radius of the vortex core. With a large a, the water rotates like a
+It is largest at D = a, the radius of the vortex core. With a large a, the water rotates like a
 rigid body.
+
+All forces depend on the motion relative to the water at the place of the robot. There, the flow
+turns a line along the robot with an angular velocity Omega. The yaw rate in the formulas of the
+forces is reduced by g Omega, and that in the formula of the yaw damping by d Omega.
 
 Source: Batchelor, An Introduction to Fluid Dynamics (1967), sec. 7.4 (cell); Scully, MIT ASRL TR
 178-1 (1975), and Kaufmann, Ing.-Arch. 31 (1962), 1 (vortex).
@@ -37,14 +41,14 @@ PARAMETERS = (
     Parameter("wall_speed", "m/s", 0.01, -0.3, 0.3,
               "speed at the long walls, counter-clockwise positive", symbol="G"),
     Parameter("rotation_share", "1", 0.5, 0.0, 1.5,
-              "share of the water's rotation that acts on core and head", spread=0.4, symbol="g"),
-    Parameter("damping_share", "1", 0.2, 0.0, 1.5, "share of it relative to which yaw is damped",
+              "share of Omega that acts on core and head", spread=0.4, symbol="g"),
+    Parameter("damping_share", "1", 0.2, 0.0, 1.5, "share of Omega that acts in the yaw damping",
               spread=0.4, symbol="d"),
     Parameter("vortex_share", "1", 0.0, 0.0, 1.0, "part that is a vortex about the middle",
               spread=0.5, symbol="b"),
-    Parameter("two_cell_share", "1", 0.0, 0.0, 1.0, "part of it that is two opposite cells",
+    Parameter("two_cell_share", "1", 0.0, 0.0, 1.0, "part that is two eddies side by side",
               spread=0.5, symbol="c"),
-    Parameter("core_radius", "m", 0.6, 0.15, 3.0, "radius of the vortex's largest speed",
+    Parameter("core_radius", "m", 0.6, 0.15, 3.0, "radius of the core of the vortex",
               spread=0.4, symbol="a"),
 )  # fmt: skip
 FORMS = {

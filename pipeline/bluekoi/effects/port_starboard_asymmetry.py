@@ -1,9 +1,10 @@
 """Forces that differ between the two sides.
 
-The lift L of the head is (1 + k) times as large if the flow comes from one side, and (1 - k) times
-as large if it comes from the other. At the angle of attack alpha, the change of the lift is
+The lift of the head is 1 + k times that of a symmetric head if it points to the left, and 1 - k
+times if it points to the right. The change of the lift L at the angle of attack alpha points to the
+left, seen along the motion of the head:
 
-    dL = k |L| s / sqrt(s^2 + w^2) to the left of the flow,  s = |sin 2 alpha|
+    dL = k |L| s / sqrt(s^2 + w^2),  s = |sin 2 alpha|
 
 With w > 0, the sides differ less at small angles of attack. The part m of the moment q C_Ma sin 2
 alpha differs between the sides in the same way. The yaw damping C_Md r |r| differs by the share n,
@@ -31,12 +32,13 @@ REGIME = "turns, with opposite sign to port and starboard"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "keypoint_bias")
 STRENGTHS = 3
 PARAMETERS = (
-    Parameter("lift_difference", "1", 0.05, -1.0, 1.0, "share by which lift to the left is larger",
+    Parameter("lift_difference", "1", 0.05, -1.0, 1.0,
+              "lift to the left over that of a symmetric head, minus 1",
               symbol="k"),
     Parameter("damping_difference", "1", 0.05, -2.0, 2.0,
               "share by which yaw is damped less in a turn to the left", symbol="n"),
     Parameter("drag_difference", "1", 0.05, -2.0, 2.0,
-              "share by which drag is larger with the lift to the left", symbol="g"),
+              "relative excess of the drag while the lift points to the left", symbol="g"),
     Parameter("transition_sine", "1", 0.03, 0.0, 1.0,
               "sine of 2 alpha up to which the sides differ less", spread=0.5, symbol="w"),
     Parameter("moment_share", "1", 0.0, 0.0, 1.2,

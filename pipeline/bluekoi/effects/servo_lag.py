@@ -12,8 +12,9 @@ proportional to the angle. With w = 1 (and n = 1, q = 0), the head swings about 
 of second order with the damping ratio (1 + b^2)^(-1/2); with w = 0 it does not.
 
 While the servo moves, the core turns by the share c of the change of the head angle, psi' = r + c
-phi', and the head by the rest. psi is the heading of the core and r the yaw rate. With c = 1 the
-head keeps its direction, as in Eq. 8 of the paper.
+phi'. psi is the heading of the core and r the yaw rate. The head turns by the share 1 - c in the
+opposite direction. With c = 0 the core keeps its direction; with c = 1 the head does, as in Eq. 8
+of the paper, in which a trial has only one head angle. Without this effect, c makes no difference.
 
 Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response)
 and 4.6 (underdamped second-order response).

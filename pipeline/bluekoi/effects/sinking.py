@@ -1,14 +1,13 @@
 """A robot that sinks during the trial.
 
-A sinking robot moves away from the camera. Its image shrinks towards the point c below the camera,
-and the drag D changes:
+A sinking robot moves away from the camera. Its image shrinks towards the point c below the camera.
+Its trim also changes with the depth, so that an additional drag D acts:
 
     seen = c + (1 - g s(t)) (true - c),    D = -1/2 rho A c_g g s(t) V^2 v_hat
     s(t) = t ((1 - w) + w t / t_1) (1 - exp(-b t)) / (b t),  t since the start, t_1 = 4 s
 
-g is the rate at which the image shrinks. The drag acts against the direction of motion v_hat, at
-the speed V, because trim and drag change with the depth. The change of the drag coefficient is c_g
-times the relative change of the image.
+g is the rate at which the image shrinks, V the speed and v_hat the direction of motion. The drag
+coefficient grows by c_g times the relative shrinking g s(t) of the image.
 
 s(t) describes how the depth changes with time: the part w grows as t^2 (accelerated sinking), and b
 is the rate at which the depth settles.

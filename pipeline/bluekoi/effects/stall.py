@@ -4,10 +4,11 @@ Above an onset angle, the flow separates from the head plate. In steady flow the
 w(alpha) rises from 0 to 1 as |sin alpha| rises from s0 to s0 + b, with the angle of attack alpha.
 The flow separates and attaches again while the head travels s head lengths h:
 
-    z' = (w(alpha) - z) / (s h / V + 1/60 s)
+    z' = (w(alpha) - z) / (s h / V + t_0),   t_0 = 1/60 second
 
-The head plate loses the share j k z of its lift and the share m k z of its yaw moment q C_Ma sin 2
-alpha. At small angles there is no loss. With s = 0, the loss follows the angle of attack at once.
+z is the separated share of the flow. The head plate loses the share j k z of its lift and the share
+m k z of its yaw moment q C_Ma sin 2 alpha. At small angles there is no loss. With s = 0, the loss
+follows the angle of attack within t_0, the shortest delay that the integrator can follow.
 
 Source: Abbott and von Doenhoff, Theory of Wing Sections (1959), sec. 4.1 (stalled flow); Hoerner
 and Borst, Fluid-Dynamic Lift (1975), ch. 4; Goman and Khrabrov, J. Aircraft 31 (1994), 1109
@@ -34,7 +35,8 @@ PARAMETERS = (
               symbol="s0"),
     Parameter("transition_width", "1", 0.25, 0.04, 0.8,
               "range of the sine from onset to separated flow", spread=0.1, symbol="b"),
-    Parameter("moment_share", "1", 0.0, 0.0, 1.2, "part of the moment that is lost as the lift is",
+    Parameter("moment_share", "1", 0.0, 0.0, 1.2,
+              "loss of the moment, relative to the loss of the lift",
               spread=0.5, symbol="m"),
     Parameter("lift_share", "1", 1.0, 0.0, 1.0, "0: the moment alone is lost", spread=0.5,
               symbol="j"),

@@ -3,29 +3,31 @@
 The fin has a low aspect ratio and lies at the distance a behind the centre of mass. It moves
 sideways with the speed v - a r, and its side force is that of a thin wing at a small angle. On a
 long fin, the sideways speed varies along the fin. The fin is therefore represented by two stations,
-at a - b and a + b, with the same mean and spread. A station at x has the sideways speed w, the side
-force dY and the force along the body dX; Y and N are side force and yaw moment of the fin:
+at the distances a - b and a + b behind the centre of mass. Mean and variance of their sideways
+speeds are those along the whole fin. A station at the distance l has the sideways speed w, the side
+force dY and the force along the body dX. Y and N are side force and yaw moment of the fin:
 
-    dY = -1/2 rho S/2 (sqrt(u^2 + p w^2) + q |w|) w,  w = v - x r,  x = a -+ b
-    Y = sum dY,  N = -sum x dY
+    dY = -1/2 rho S/2 (sqrt(u^2 + p w^2) + q |w|) w,  w = v - l r,  l = a - b, a + b
+    Y = sum dY,  N = -sum l dY
     dX = g dY w u / (u^2 + w^2)
 
 S is the lift slope times the area of the fin. The force vanishes in straight swimming, which it
-stabilises. With p = 0, it also vanishes without forward speed.
+stabilises. With p = q = 0, it also vanishes without forward speed.
 
-The circulation builds up while the fin travels s head lengths h: in the formula for w, the speed
-w_a = v - a r at the middle of the fin is replaced by z, with
+The circulation builds up while the fin travels s head lengths h. The sideways speed z that has an
+effect at the middle of the fin follows the true one, w_a = v - a r, with a delay, and w = z - (l -
+a) r at the stations:
 
-    z' = (w_a - z) / (s h / V_a + 1/60 s),   V_a^2 = u^2 + w_a^2
+    z' = (w_a - z) / (s h / V_a + t_0),   V_a^2 = u^2 + w_a^2,   t_0 = 1/60 second
 
-A thin wing builds up half of its lift at once and the rest over a few chords. A wing of low aspect
-ratio is faster. The lag is at least 1/60 s, which the integrator can follow.
+A wing of high aspect ratio builds up half of its lift at once and the rest over a few chords; one
+of low aspect ratio is faster. t_0 is the shortest delay that the integrator can follow.
 
 q is the lift of the vortices that separate at the side edges of a wing of low aspect ratio, over
 the lift at small angles. For a slender wing it is 2 over the aspect ratio (Polhamus).
 
-p = 0 is the formula for a wing at small angles. p is larger if the sideways flow contributes to the
-dynamic pressure, or if there is cross-flow drag. p is smaller for a fin that stalls gradually.
+p = 0 is the formula for a wing at small angles. p > 0 if the sideways flow contributes to the
+dynamic pressure, or if there is cross-flow drag. p < 0 for a fin that stalls gradually.
 
 g is the part of the force along the body. g > 0 is induced drag. g < 0 is leading-edge suction;
 with g = -1, the force is normal to the flow.

@@ -5,12 +5,11 @@ At the head angle phi, the thrust T causes the yaw moment
     N = T d (sin(phi) + w (phi - sin(phi)))
 
 The reason is that a turned head moves its mass, and with it the centre of mass, to one side. In Eq.
-8 of the paper, T acts at the centre of mass. d is the distance between the line of thrust and the
-centre of mass at a head angle of 90 degrees. The moment vanishes with a straight head.
-
-The distance at the head angle phi is d (sin(phi) + w (phi - sin(phi))). With w = 0, the robot bends
-at a hinge; with w = 1, the distance is proportional to phi, as for a body that bends along an arc.
-With w < 0, the distance grows more slowly than sin(phi) at large angles.
+8 of the paper, T acts at the centre of mass. The distance between the line of thrust and the centre
+of mass is d (sin(phi) + w (phi - sin(phi))). With w = 0, the robot bends at a hinge, and d is the
+distance at a head angle of 90 degrees. With w = 1, the distance is proportional to phi, as for a
+body that bends along an arc. With w < 0, it grows more slowly than sin(phi) at large angles; w = -3
+is close to 1/2 d sin(2 phi). The moment vanishes with a straight head.
 
 Source: rigid-body statics.
 """
@@ -30,8 +29,9 @@ REGIME = "turns, in proportion to thrust; also at rest"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "stall")
 PARAMETERS = (
     Parameter("offset", "m", 0.003, -0.05, 0.05,
-              "of the line of thrust at a head angle of 90 degrees", symbol="d"),
-    Parameter("linear_share", "1", 0.0, -4.0, 4.0, "part that grows with the angle, not its sine",
+              "distance at a head angle of 90 degrees (w = 0)", symbol="d"),
+    Parameter("linear_share", "1", 0.0, -4.0, 4.0,
+              "weight of the difference between the angle and its sine",
               spread=1.5, symbol="w"),
 )  # fmt: skip
 FORMS = {

@@ -6,8 +6,9 @@ At the time t of a trial, the water has the velocity
 
 in the axes of the pool. All forces depend on the velocity of the robot relative to the water. With
 the position (x, y), the length L and the width W of the pool, xi = 2 x / L - 1 and eta = 2 y / W -
-1; they are 0 in the middle of the pool and 1 at its walls. a is the shear: the relative change of
-the current across its direction. b is the relative change of the current during a trial.
+1; they grow from -1 at one wall to 1 at the opposite wall. The current is uniform for a = 0. a is
+the shear: the relative change of the current across its direction, from the middle to a wall. b is
+the relative change of the current from 3 s to 6 s after the start of a trial.
 
 Source: Fossen (2011), sec. 8.3 (relative velocity in an irrotational current).
 """

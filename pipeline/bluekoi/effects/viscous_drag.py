@@ -27,7 +27,7 @@ STATEMENT = (
     "Skin friction grows more slowly than the square of the speed, so that drag at low power is "
     "larger than in the model."
 )
-REGIME = "low speed: 50 % power, start-up and coasting"
+REGIME = "low speed: the smallest power, start-up and coasting"
 CONFUSED_WITH = ("coulomb_friction", "thrust_loss_with_speed", "wave_drag")
 PARAMETERS = (
     Parameter("coefficient", "N (s/m)^1.5", 0.1, 0.0, 5.0, "force at 0.3 m/s over 0.3^1.5",

@@ -8,7 +8,7 @@ The drag 1/2 rho A V^2 at the speed V changes by the share -k. The change builds
 n_1 - b/2 to n_1 + b/2 turns. With each further turn, the drag changes by g k more. If the wake
 decays (a > 0), the change is multiplied by (age / 6 s)^-a, where the age of the wake is the
 duration 2 pi / |r| of one turn at the yaw rate r. The part j of the change is proportional to the
-speed instead of its square, as in moving water.
+speed instead of its square, as in moving water, and equals the other part at 0.3 m/s.
 
 Source: Tennekes and Lumley, A First Course in Turbulence (1972), sec. 4.4 (momentum wake behind a
 self-propelled body) and 4.2 (a wake that fades with its age).

@@ -7,11 +7,9 @@ q = rho V^2 / 2 at the speed V, and the area A of the head plate:
     drag k n q A,  attraction g n q A,  moment towards the wall j n q A (0.1 m)
 
 The contributions of the four walls are added. s is the distance over which the effect decays; the
-effect vanishes far from the walls. The part w falls as the square of the distance. This is the
-effect of an image of the body behind the wall in two-dimensional flow.
-
-g is the attraction by this image. j is the force that causes the same moment if it acts 0.1 m ahead
-of the centre of mass.
+effect vanishes far from the walls. The part w falls as the square of the distance. Potential flow
+with an image of the body behind the wall has this form, and explains the attraction. j q A is the
+force that would cause the same moment if it acted 0.1 m ahead of the centre of mass.
 
 Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 8 (blockage); Newman (1977), ch. 4 (images).
 """
@@ -36,10 +34,12 @@ PARAMETERS = (
     Parameter("suction", "1", 0.2, -20.0, 20.0, "pull towards a wall over 1/2 rho A V^2",
               symbol="g"),
     Parameter("moment", "1", 0.2, -20.0, 20.0,
-              "turning towards a wall, as by such a pull 0.1 m ahead", symbol="j"),
-    Parameter("decay_length", "m", 0.15, 0.03, 0.5, "distance within which it falls by e",
+              "moment towards a wall over 1/2 rho A V^2 (0.1 m)", symbol="j"),
+    Parameter("decay_length", "m", 0.15, 0.03, 0.5,
+              "distance over which the effect falls by a factor e",
               spread=0.075, symbol="s"),
-    Parameter("wide_share", "1", 0.0, 0.0, 1.0, "part that falls as distance squared",
+    Parameter("wide_share", "1", 0.0, 0.0, 1.0,
+              "part that falls as the inverse square of the distance",
               spread=0.5, symbol="w"),
 )  # fmt: skip
 FORMS = {

@@ -6,9 +6,14 @@ At the speed V, the drag against the direction of motion v_hat is
                   + (1 - g) o (max(V - V_0, 0) / (V_1 - V_0))^2 + g (V / V_1)^2 R(V)) v_hat
     R = 1 / (1 + ((V - V_c) / 0.08 m/s)^2)^2,  V_1 = 0.4 m/s
 
-Below the hull speed, wave drag rises faster than the square of the speed: as V^4, and the part w as
-V^6. The part o is zero below the onset speed V_0, because waves on water are not slower than 0.23
-m/s. The part g is a hump at the speed V_c, which interference of bow and stern waves causes.
+Wave drag rises faster than the square of the speed up to the hull speed, (g L / 2 pi)^(1/2) for a
+body of the length L. The drag is a weighted sum of four formulas with the same value at V_1:
+
+- V^4 and V^6, with the weights 1 - w and w;
+- a drag that is zero below the onset speed V_0, because waves on water are not slower than 0.23
+  m/s. It replaces the part o of these powers;
+- a hump at the speed V_c, caused by interference of bow and stern waves. It replaces the part g of
+  the sum of the others.
 
 The part h of the drag acts at the head plate, at the distance l ahead of the centre of mass. The
 rest acts at the centre of mass.
@@ -28,7 +33,7 @@ STATEMENT = (
     "Close to the surface the robot makes waves; their drag grows faster than the square of the "
     "speed."
 )
-REGIME = "the highest speeds: 100 % power"
+REGIME = "the highest speeds: the largest power"
 CONFUSED_WITH = ("thrust_loss_with_speed", "viscous_drag")
 PARAMETERS = (
     Parameter("coefficient", "N (s/m)^4", 1.0, 0.0, 60.0, "force at 0.4 m/s over 0.4^4",

@@ -67,14 +67,18 @@ class ComparedSet:
 
 @dataclass(frozen=True)
 class CauseSearchResult:
-    """What a model leaves out of its trials.
+    """Causes that a model lacks to describe its trials.
 
-    verdict: none, physics, measurement or unexplained. named: causes with a probability above 1/2,
-    by falling gain; gains: log evidence that each adds. unexplained: probability of a force that no
-    candidate describes. probabilities: of every candidate cause. baseline, extended: the model
-    fitted without and with the named causes; baseline_numbers, numbers: their fitted parameters.
-    held_out: errors on conditions left out of the fit. compared: results of the sets in `compare`.
-    warnings: what limits the result, in sentences.
+    - verdict: none, physics, measurement or unexplained;
+    - named: causes with a probability above 1/2, the one with the largest gain first;
+    - gains: log evidence that each named cause adds;
+    - probabilities: calibrated probability of every candidate cause;
+    - unexplained: calibrated probability of a force that no candidate describes;
+    - baseline, extended: the model fitted without and with the named causes;
+    - baseline_numbers, numbers: fitted parameters of the baseline and of the extended model;
+    - held_out: errors on conditions that were not used in the fit;
+    - compared: results of the sets of causes in the argument `compare` of `explain`;
+    - warnings: what limits the result, in sentences.
     """
 
     prepared: Prepared

@@ -26,8 +26,11 @@ FORCE_STAGE, RATES_STAGE, OBSERVE_STAGE = "force", "rates", "observe"
 
 @dataclass(frozen=True)
 class State:
-    """A state. A trial begins at `observed` (an observation of that name) or with the slope of the
-    observation `rate_of`, else at `start`; start_std: how well that is known, in the state's unit.
+    """A state of the model.
+
+    Its initial value in a trial is the first value of the observation `observed`, or the initial
+    slope of the observation `rate_of`, or else `start`. start_std: standard deviation of this
+    initial value, in the unit of the state.
     """
 
     name: str
@@ -40,8 +43,8 @@ class State:
 
 @dataclass(frozen=True)
 class Input:
-    """A measured input. held: it keeps its value until the next sample (zero-order hold), as the
-    output of a digital controller does; else it runs linearly between samples.
+    """A measured input. held: the input keeps its value until the next sample (zero-order hold), as
+    the output of a digital controller does. Otherwise it is interpolated linearly.
     """
 
     name: str
@@ -51,7 +54,9 @@ class Input:
 
 @dataclass(frozen=True)
 class Constant:
-    """A number that each trial brings (a mass, a length); value: where a trial does not give it."""
+    """A known number that may differ between trials (a mass, a length). value: that of trials
+    that do not state one.
+    """
 
     name: str
     unit: str
@@ -60,8 +65,8 @@ class Constant:
 
 @dataclass(frozen=True)
 class Observation:
-    """A measured output. std: standard deviation of its errors, a lower bound of what a fit may
-    find; angle: it may be wrapped, and is unwrapped.
+    """A measured output. std: the smallest standard deviation of its errors that a fit may assume.
+    angle: it is an angle, from which jumps by 2 pi are removed.
     """
 
     name: str
@@ -74,12 +79,17 @@ class Observation:
 class Cause:
     """A candidate cause: a statement and functions that are added to stages of the model.
 
-    hooks: stage name -> function, whose outputs are added to those of the stage. parameters: the
-    first `strengths` are 0 where the cause is absent. channels: outputs of the stage `force` that
-    it pushes; found from the functions where not given. states, rates, start_std: states of its
-    own, 0 at the start of a trial within start_std. site: it belongs to the place of the recording
-    (a current, a pool, a clock) and is not applied to recordings made elsewhere. prior: probability
-    that it acts, before any data. evidence: side measurement -> parameter -> change per unit.
+    - hooks: name of a stage -> function, whose outputs are added to those of the stage;
+    - parameters, strengths: the first `strengths` parameters are 0 if the cause is absent;
+    - site: the cause belongs to the place of the recording (a current, a clock) and is not applied
+      to recordings made elsewhere;
+    - channels: outputs of the stage `force` that the cause changes. Default: found from `hooks`;
+    - states, rates, start_std: states of the cause, the function that gives their derivatives, and
+      the standard deviation of their initial values about 0;
+    - prior: probability that the cause acts, before any data;
+    - regime: in which motions the cause can be seen;
+    - evidence: for quantities that `Trial.evidence` states: name of the quantity -> parameter ->
+      change of the quantity per unit of the parameter.
     """
 
     name: str
@@ -102,16 +112,22 @@ class Cause:
 class Model:
     """A state-space model with its candidate causes.
 
-    stages: equations in order; `rates` returns the derivatives of the states, `observe` the
-    observations; stages with `open=True` may be added to by causes. pushed: outputs that random
-    forces push, () where nothing does; default: those of the stage `force`. random_force_s,
-    error_s: correlation times of random forces and of lasting errors of the observations.
-    per_group: coefficients that each group of trials has for itself. varies: parameters that
-    differ from trial to trial by a known standard deviation. path: two observations that are a
-    place in the plane. start: function (times (n,), observed (n, observations)) -> start of all
-    states. measures: function (times, observed, inputs) -> name -> value, compared in predictions.
-    most_hz: observations beyond this rate are averaged; default by the model's time constants.
-    read: function (folder) -> trials, for data in a layout of its own.
+    - stages: the equations, in the order of their evaluation. The stage `rates` returns the
+      derivatives of the states, `observe` the observations. Causes can add to stages with
+      `open=True`;
+    - pushed: outputs to which random forces are added. Default: those of the stage `force`; (): no
+      random forces;
+    - random_force_s, error_s: correlation time of the random forces, and of errors of the
+      observations that last longer than a sample. Each is (start of the fit, shortest, longest);
+    - per_group: coefficients that have a value of their own in each group of trials;
+    - varies: parameters that differ between trials, with the standard deviation of the difference;
+    - path: two observations that are the coordinates of a position;
+    - start: function (times (n,), observed (n, observations)) -> initial values of all states;
+    - measures: function (times, observed, inputs) -> name -> value. These values of recorded and
+      predicted trials are compared, for example a diameter;
+    - most_hz: observations at a higher rate are averaged to this one. Default: from the time
+      constants of the model;
+    - read: function (folder) -> trials, for files in another layout than the usual one.
     """
 
     name: str

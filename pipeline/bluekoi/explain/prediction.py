@@ -46,10 +46,12 @@ class Run:
 class Predicted:
     """Free runs (simulations) of trials that the model was not fitted to.
 
-    runs: (`baseline` or `extended`, how the initial state was found) -> one run a trial. The
-    initial state is fitted to the whole trial, or estimated from its first `known_s` seconds only.
-    measured: quantities of the recordings that are also computed from the runs. not_applied: named
-    causes that belong to the site of the fitted recordings. messages: remarks, in sentences.
+    - runs: (`baseline` or `extended`, `start fitted` or `start from the first seconds`) -> a run
+      for each trial. The initial state is fitted to the whole trial, or estimated from its first
+      `known_s` seconds;
+    - measured: for each trial, the values of `Model.measures` in the recording;
+    - not_applied: named causes that belong to the place of the fitted recordings;
+    - messages: remarks, in sentences.
     """
 
     runs: dict[tuple[str, str], list[Run]]

@@ -16,8 +16,7 @@ from .recording_faults import duplicate_recordings, spike_findings
 from .sampling import averaged_to_rate
 from .system_assembly import AssembledSystem, scale_names
 
-FIT_ROLE, HELD_OUT_ROLE = "fit", "held_out"
-MIN_SAMPLES = 3
+FIT_ROLE, HELD_OUT_ROLE, MIN_SAMPLES = "fit", "held_out", 3
 MAX_UNREPORTED_GAP_INTERVALS = 20.0
 """A longer pause than this many usual sampling intervals is reported."""
 MAX_VALUE = 1e12
@@ -31,12 +30,13 @@ are reported (the fastest part of a model may fade within a sample and be right)
 
 @dataclass(frozen=True)
 class Trial:
-    """One recording.
+    """One recording:
 
-    times (n,) in s, increasing. inputs, observed: name -> (n,), NaN where nothing was seen.
-    constants: name -> number. condition: what repeats share; group: what trials share that have
-    coefficients of their own; role: `fit` or `held_out`. evidence: side measurement -> value, std.
-    start: state -> value at the first sample, where it is known. source: file named in messages.
+    - times: (n,) in s, increasing; inputs, observed: name -> (n,), NaN: not observed;
+    - condition: label shared by repetitions of the same experiment; role: `fit` or `held_out`;
+    - group: label shared by trials with the same `Model.per_group` coefficients;
+    - evidence: name -> (value, std) of quantities measured without the model (`Cause.evidence`);
+    - start: state -> value at the first sample, where it is known; source: file, for messages.
     """
 
     name: str

@@ -23,14 +23,16 @@ Function = Callable[..., Any]
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number to be fitted: unit, start value, bounds and meaning.
+    """One number to be fitted.
 
-    spread: prior standard deviation about `start`; it keeps a shape parameter that the trials
-    hardly determine near its start. Infinite: no prior. tries: further starting values of a shape
-    parameter of a residual term, whose likelihood has several maxima; a fit begins at the most
-    likely one. Of an error of the camera: values in which rigid lengths are predicted. plausible:
-    typical magnitude of a strength, the width of its prior; default: the size of `start`. symbol:
-    name of the parameter in the equation of an effect.
+    - start, lower, upper: value at which a fit begins, and bounds;
+    - spread: standard deviation of the normal prior about `start`, for shape parameters. It keeps a
+      parameter that the trials hardly determine near its start. Infinite: no prior;
+    - plausible: typical magnitude of a strength, the width of its prior. Default: |start|;
+    - symbol: name of the parameter in the equation of an effect. Default: `name`;
+    - tries: further starting values, for parameters whose likelihood has several maxima. A fit
+      begins at the most likely one. For an error of the camera, these are the values for which the
+      change of the measured rigid lengths is computed.
     """
 
     name: str
@@ -59,7 +61,9 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Stage:
-    """One step of the right-hand side: `outputs = function(...)`, plus what effects add."""
+    """One step of the right-hand side of the differential equations: `outputs = function(...)`,
+    plus the outputs that effects or causes add if the stage is `open`.
+    """
 
     name: str
     outputs: tuple[str, ...]
@@ -71,17 +75,15 @@ class Stage:
 class Effect:
     """One physical or measuring statement that may be absent or present.
 
-    It is absent when its strengths, the first `strengths` parameters, are 0; the others give it
-    its form.
-    hooks: stage name -> function whose outputs are added there. states: names of states of its
-    own, all starting at 0, with `rates` giving their derivatives. evidence: names of side
-    measurements -> parameter -> how many times that they change by, or a function that predicts
-    them, of parameters, asked for as by hooks, and of the means of inputs and time t in a trial.
-    starts: strengths from which fits begin, where one start may lead astray. forms: name of a form
-    -> values of the shape parameters that give it, where they differ from their starts: published
-    formulas, and scales such as a short lag. A search tries each of them. The prior of a shape
-    parameter is so wide that every form lies within its 95 % interval, two standard deviations from
-    the start.
+    It is absent when its strengths, the first `strengths` parameters, are 0; the others give it its
+    form. hooks: stage name -> function whose outputs are added there. states: names of states of
+    its own, all starting at 0, with `rates` giving their derivatives. evidence: names of quantities
+    that are measured directly -> parameter -> their change per unit of the parameter; or -> a
+    function that predicts the quantity from parameters, means of inputs in a trial, and the time t.
+    starts: strengths from which fits begin, where one start may lead astray. forms: name of a
+    variant -> values of the shape parameters that give it, where they differ from their starts. A
+    search tries each of them. The prior of a shape parameter is so wide that every form lies within
+    two standard deviations of the start.
     """
 
     name: str

@@ -1,11 +1,12 @@
 """A camera that was moved between or during trials.
 
-From the time t_shift of a trial on, all positions are displaced by (dx, dy).
+From some moment of a trial on, all positions are displaced by (dx, dy). The finder tests every
+moment of every trial for such a displacement before the fit (mismatch/camera_displacement.py). Only
+displacements that are probable are fitted, from the moment found.
 
 If the camera moved in several trials, (dx, dy) is the displacement in the trial that determines it
-best. The displacements in the other trials are proportional to it, with a rotation and scale
-(x_shift, y_shift) that is fixed at its first estimate. For a single trial, (x_shift, y_shift) is
-(1, 0).
+best. In trial i, with positions as complex numbers, the displacement is (a_i + i b_i)(dx + i dy).
+The test gives a_i and b_i, and the fit leaves them as they are.
 
 Source: own statement.
 """
@@ -22,8 +23,12 @@ REGIME = "from one trial or time on"
 CONFUSED_WITH = ("keypoint_bias", "uniform_current")
 STRENGTHS = 2
 PARAMETERS = (
-    Parameter("dx", "m", 0.005, -0.3, 0.3, "displacement in x, where it is surest"),
-    Parameter("dy", "m", 0.005, -0.3, 0.3, "displacement in y, where it is surest"),
+    Parameter(
+        "dx", "m", 0.005, -0.3, 0.3, "displacement in x in the trial that determines it best"
+    ),
+    Parameter(
+        "dy", "m", 0.005, -0.3, 0.3, "displacement in y in the trial that determines it best"
+    ),
 )
 
 

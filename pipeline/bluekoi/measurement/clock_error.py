@@ -1,10 +1,12 @@
 """A wrong frame rate.
 
 With the recorded time t, the true time runs 1 + p k (1 + d (t - 3 s) / 3 s) times as fast as t.
-k is the error of the frame rate. d is the drift of an unsteady clock. Where the tail beat in the
-video, compared with the motor log, shows that the frame rate of only some trials is wrong, the
-error acts in these trials alone (p = 1, else 0). Without a motor log, d is 0: the quartz of a
-camera is steady, and a tail beat that drifts is the motor's.
+k is the error of the frame rate, and d the drift of an unsteady clock.
+
+p is 1 in the trials with a wrong frame rate and 0 in the others. Usually it is 1 in all trials. The
+tail beat in the video, compared with the motor log, can show that only some of them are wrong.
+Without a motor log, d is 0: the quartz of a camera is steady, and a drifting tail beat is one of
+the motor.
 
 Source: own statement (30 for 29.97, or a frame rate typed in wrongly).
 """

@@ -1,10 +1,13 @@
 """Constant offset of a keypoint on the body.
 
 The pose of the robot is fitted to all keypoints. A constant offset of one keypoint on the body
-therefore changes the whole pose: it shifts the core centre by (bx, by) along and across the core,
-the heading of the core by bpsi, and the head angle by bphi. The part w of by, bpsi and bphi is
-proportional to the sine of the head angle phi, as for a label that follows the edge of the turned
-head: these three are multiplied by (1 - w) + w sin(phi) / sin(45 deg).
+therefore changes the whole pose: it shifts the core centre by bx along and by across the core, the
+heading of the core by bpsi, and the head angle by bphi.
+
+A label that follows the edge of the turned head moves with the head angle phi. by, bpsi and bphi
+are therefore multiplied by
+
+    (1 - w) + w sin(phi) / sin(45 deg)
 
 The offset along the core is at most 2 cm; a larger one is a `centre_of_mass_shift`.
 

@@ -8,11 +8,13 @@ c is the point where the lens axis meets the water, and rho the distance of `tru
 radial distortion. p = (p_x, p_y) is the tangential distortion of a lens whose elements are not
 aligned.
 
-The pose of the camera is fitted to the pool corners and compensates part of the lens error. Q and a
-describe this part. Q, a and c are computed from the camera of the study with a changed first
-distortion coefficient (camera/error_displacement.py); this corresponds to q = 1. The tangential
-distortion is 2 (p . d) d + rho^2 p, with d = true - c. Its first term is a tilt, which the pose
-compensates.
+The pose of the camera is fitted to the corners of the pool. It compensates part of a lens error: a
+change of scale (Q, in m2) and a shift (a, in m3). Q, a and c are computed once from the camera of
+the study (camera/error_displacement.py): its first distortion coefficient is changed, the pose is
+fitted again, and the displacement of points on the water is approximated by the formula with q = 1.
+
+The full formula for tangential distortion is 2 (p . d) d + rho^2 p, with d = true - c. Its first
+term acts like a tilt of the camera. The pose compensates it, so that it is left out.
 
 Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial and tangential distortion).
 """
@@ -38,7 +40,7 @@ PARAMETERS = (
     Parameter("tangential_y", "1/m", 0.005, -0.3, 0.3, "tangential distortion across the pool",
               symbol="p_y"),
     Parameter("compensated_share", "1", 1.0, 0.0, 2.0,
-              "part that the camera pose compensates, 1: computed", spread=0.25, symbol="q"),
+              "compensation by the pose over the computed one", spread=0.25, symbol="q"),
 )  # fmt: skip
 
 

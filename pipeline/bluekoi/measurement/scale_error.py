@@ -8,8 +8,8 @@ position
 k is the scale error. With a = 1 or a = -1, only the length or only the width of the pool was stated
 wrongly.
 
-If a detector places the keypoints at stated lengths behind the nose, the error applies to the
-position of the nose. The nose lies at the distance `ahead` in front of the core centre.
+Some detectors find the nose and place the other keypoints at stated lengths behind it. Then the
+formula applies to the position of the nose, and the other keypoints keep their distances from it.
 
 Source: own statement (pool dimensions or corner marks wrong).
 """

@@ -1,9 +1,9 @@
 """Video, commands and motor log that do not start together.
 
-The motor starts with full thrust at the time d (in s) after the start of the video, or after the
-start that the motor log shows. Only trials that begin at rest show this. If the robot already moves
-in the first frame, d changes nothing: the model averages over tail beats, and the initial position
-and velocity of each trial are free parameters.
+The motor starts with full thrust at the time d (in s) after the start that the motor log shows or,
+without a log, after the start of the video. Only trials that begin at rest show this. If the robot
+already moves in the first frame, d changes nothing: the model averages over tail beats, and the
+initial position and velocity of each trial are free parameters.
 
 e is the time by which the clock of the motor log is ahead of the video. It is visible only in the
 phase of the tail beat (`motor/log_video_delay.py`).

@@ -1,4 +1,4 @@
-"""Refraction at the surface not corrected, or for a wrong depth.
+"""Refraction at the surface not corrected, or corrected for a wrong depth.
 
 A keypoint that lies deeper than assumed appears closer to the point c = (x_c, y_c) below the
 camera. At the position `true`, it is measured at
@@ -6,8 +6,8 @@ camera. At the position `true`, it is measured at
     seen = true - k (true - c) (1 + q b rho^2),  rho = |true - c|
 
 k is the relative shift near c. b describes its increase with the distance from c; it follows from
-the height of the camera and the stated refractive index (camera/error_displacement.py). q = 1 if
-only the index or only the depth is wrong.
+the height of the camera and the stated refractive index (camera/error_displacement.py). q is the
+increase relative to this computed one: 1 if only the index or only the depth is wrong.
 
 Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34 (2012), 51.
 """
@@ -19,8 +19,8 @@ from ..integrate.system import Parameter
 KIND = "measurement"
 CHANNELS = ("surge", "sway")
 STATEMENT = (
-    "Refraction at the water surface was not corrected, or for a wrong depth: lengths appear too "
-    "short, more so towards the edges of the pool."
+    "Refraction at the water surface was not corrected, or corrected for a wrong depth: lengths "
+    "appear too short, more so towards the edges of the pool."
 )
 REGIME = "all positions, more so towards the edges of the pool"
 CONFUSED_WITH = ("scale_error", "lens_error")
@@ -28,7 +28,7 @@ PARAMETERS = (
     Parameter("inward_shift", "1", 0.005, -0.05, 0.05,
               "share by which positions appear too close to the camera axis", symbol="k"),
     Parameter("bending_ratio", "1", 1.0, 0.0, 3.0,
-              "bending over that of a wrong index or of a wrong depth alone", spread=0.5,
+              "increase with the distance, relative to the computed one", spread=0.5,
               symbol="q"),
 )  # fmt: skip
 

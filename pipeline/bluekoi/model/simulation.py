@@ -18,8 +18,12 @@ from .plates import CONSTANTS, plates
 
 @dataclass(frozen=True)
 class Simulation:
-    """A simulated path: time_s (n,), state (n, 6) = x, y [m], theta [rad] (head direction),
-    x_dot, y_dot [m/s], theta_dot [rad/s], world axes (Eq. 8); heading_rad (n,): the core's.
+    """A simulated path.
+
+    - time_s (n,);
+    - state (n, 6), as in Eq. 8 of the paper: x, y [m], direction theta of the head [rad], and their
+      time derivatives [m/s, rad/s], in pool coordinates;
+    - heading_rad (n,): direction of the core.
     """
 
     time_s: Float
@@ -85,9 +89,14 @@ def simulate(
     start: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     effects: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Simulation:  # fmt: skip
-    """Path from `start` (x, y, core heading, surge, sway, yaw rate; default: rest at the origin).
+    """Simulated path of the robot.
 
-    head_angle_rad and flap_hz [Hz] are constants, or schedules sampled at multiples of `dt_s`.
+    - coefficients: name -> value of the six coefficients, as in `TABLE_1`;
+    - setup: the `setup` of a study, with its pool, water and robot;
+    - head_angle_rad, flap_hz [Hz]: constants, or arrays with a value for each multiple of `dt_s`;
+    - start: x and y in m, heading of the core in rad, surge and sway velocity in m/s, yaw rate in
+      rad/s. The result has the heading of the head and velocities in pool coordinates instead;
+    - effects: name of a candidate -> parameter -> value ([Candidate causes](effects.md)).
 
         >>> from bluekoi.model import TABLE_1
         >>> setup = load_study("lab").setup

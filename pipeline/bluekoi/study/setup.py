@@ -105,8 +105,10 @@ class Robot(Section):
     )
     tail_length_m: Positive = described_field("Caudal base (root of the tail) to tail tip.", "m")
     keypoint_depth_m: Annotated[float, PlainNumberCheck] = described_field(
-        "Depth of the keypoints below the still water surface. Left out: estimated from the rigid "
-        "lengths where they determine it to 10 mm, else the default.",
+        "Depth of the keypoints below the still water surface. Without this key, the depth is "
+        "estimated from distances between keypoints on one rigid part, which must be the same "
+        "everywhere in the pool. The default is used if the standard deviation of the estimate is "
+        "above 10 mm.",
         "m",
         0.04,
         ge=0,
@@ -202,7 +204,11 @@ class Detection(Section):
         "auto",
     )
     marker_hues_deg: dict[str, Annotated[float, Field(ge=0, lt=360)]] = described_field(
-        "Hue of the dot on each body part, for `markers`.", "deg", dict
+        "For `markers`: hue of the dot on each body part, from 0 (red) over 120 (green) to 360, "
+        "for "
+        "example `{head_tip: 0, hinge: 60, core_center: 120, tail_base: 240}`.",
+        "deg",
+        dict,
     )
 
 
@@ -214,8 +220,9 @@ class Setup(Section):
     robot: Robot = described_field("Dimensions and inertia of the robot.")
     camera: Camera = described_field("Lens and position of the camera.")
     bodyparts: dict[str, str] = described_field(
-        "Names of the body parts in keypoint files, each after our name for it: "
-        "`head_tip: nose`. Parts not listed keep our names.",
+        "Names of the body parts in keypoint files. The names in BlueKoi are `head_tip`, `hinge`, "
+        "`core_center`, `tail_base` and `tail_tip`; `head_tip: nose` means that the files call the "
+        "first one `nose`. A part that is not listed has the same name in the files.",
         "",
         dict,
     )

@@ -14,7 +14,7 @@ from .types import Study, Trial
 def load_study(folder: str | Path, *, only: str | None = None) -> Study:
     """Study of a folder with study.yaml and trials.csv.
 
-    only: with this trial alone, for a stage of one trial of a study that was checked before.
+    only: read this trial alone, without checking the others.
 
     Raises: InputError with all that is wrong in both files at once. Files that the trials point to
     are not opened here: a broken recording stops only its own trial.

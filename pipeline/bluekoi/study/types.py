@@ -28,12 +28,13 @@ class Trial(Section):
         "Paths are relative to the study folder, without `..`, or absolute; links are followed."
     )
     power_pct: Annotated[float, Field(ge=0, le=300, allow_inf_nan=False)] = described_field(
-        "Motor power.", "%"
+        "Motor power, in percent of the full power of the motor controller. Trials with the same "
+        "power, head angle and head length are one condition.",
+        "%",
     )
     head_angle_deg: Annotated[float, Field(ge=-120, le=120, allow_inf_nan=False)] = described_field(
-        "Commanded head angle phi: direction of the core minus direction of the head, "
-        "counter-clockwise positive seen from above: positive where the head points to the "
-        "robot's right.",
+        "Commanded head angle: direction of the core minus direction of the head. It is positive "
+        "if the head points to the right of the robot.",
         "deg",
     )
     head_length_m: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] = described_field(
@@ -46,7 +47,8 @@ class Trial(Section):
         None,
     )
     motor_log: str | None = described_field(
-        "Csv file `time_s,angle_deg` with the shaft angle every few ms; time 0 is the first frame "
+        "Csv file `time_s,angle_deg` with the shaft angle, for example every 5 ms; time 0 is the "
+        "first frame "
         "of the recording. One turn is one tail beat. Without it and `flap_hz`, the frequency is "
         "that of the tail in the video.",
         "",
@@ -62,20 +64,20 @@ class Trial(Section):
         "End of the part of the recording to use.", "s", None
     )
     role: Literal["fit", "held_out"] | None = described_field(
-        "Whether the trial is used in the fit or held out to test it; left out: chosen by "
-        "condition.",
+        "Whether the trial is used in the fit or held out to test it. If the cell is empty, "
+        "BlueKoi holds out all trials of some conditions, at most a quarter of the trials.",
         "",
         None,
     )
 
     start_x_px: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = described_field(
-        "Column of the intended body in the first frame used, where several bodies are in the "
-        "picture; together with start_y_px.",
+        "If several bodies are in the picture: pixel coordinate u of the intended one in the first "
+        "frame used; together with start_y_px.",
         "px",
         None,
     )
     start_y_px: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = described_field(
-        "Row of the intended body in the first frame used.", "px", None
+        "Pixel coordinate v of the intended body in the first frame used.", "px", None
     )
 
     @field_validator("trial_id")

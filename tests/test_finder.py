@@ -14,6 +14,7 @@ from bluekoi import smoothing
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.data import Flapping
 from bluekoi.engine import NamedCause, Priors, candidates_of
+from bluekoi.engine.naming import UNEXPLAINED
 from bluekoi.errors import InputError
 from bluekoi.files import to_json_types
 from bluekoi.fitting import (
@@ -336,6 +337,23 @@ def test_the_sentence_says_on_which_trials(demo: tuple[MeasuredStudy, MismatchRe
     assert "on held-out trials the path error falls" in verdict_sentence(found, causes)
     small = replace(found, held_out=[f.name for f in found.forces])
     assert "on the fitted trials (none could be held out)" in verdict_sentence(small, causes)
+
+
+def test_every_candidate_and_an_unlisted_force_may_be_a_rival(
+    demo: tuple[MeasuredStudy, MismatchResult],
+) -> None:
+    """Of middling probability, beside the named causes or in the place of one of them."""
+    m, found = demo
+    names = [e.name for e in plates().effects if e.kind in ("physics", "measurement")]
+    some = replace(found.posterior, inclusion=dict.fromkeys([*names, "residual.surge_u"], 0.3))
+    beside = replace(found, named=[], posterior=some, unexplained=0.3)
+    place = replace(beside, named=[NamedCause("stall", 0.6, {"lift_lag": 0.2, UNEXPLAINED: 0.2})],
+                    gains={"stall": 1.0})  # fmt: skip
+    for one, unlisted in ((beside, []), (place, ["stall"])):
+        rows = mismatch_json(one, m.study, m.series)["rivals"]
+        assert {r["name"] for r in rows} >= {*names} - {"stall"}
+        assert [r["in_place_of"] for r in rows if r["name"] == UNEXPLAINED] == unlisted
+        assert all(r["how_to_tell_apart"] for r in rows)
 
 
 def test_nothing_is_said_where_nothing_is_determined(

@@ -130,9 +130,10 @@ def _term_channels(term: str) -> tuple[str, ...]:
 
 def rivals_json(found: MismatchResult) -> list[dict[str, Any]]:
     """Candidates that may act in the place of a named cause, or beside the named ones."""
+    listed = {n: p for n, p in probabilities(found).items() if n != UNEXPLAINED}
     return [
         r | {"how_to_tell_apart": _where_to_distinguish(r["in_place_of"], r["name"])}
-        for r in rival_rows(found.named, probabilities(found))
+        for r in rival_rows(found.named, listed)
     ]
 
 

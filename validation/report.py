@@ -148,6 +148,7 @@ def result_tables(runs: Sequence[Run]) -> str:
     lines = [
         *_finder_tables([r for r in runs if r.finder == name]),
         *_finder_comparison(runs, name),
+        *_wrong_verdicts(runs),
     ]
     return "\n".join(lines)
 
@@ -160,11 +161,14 @@ def current_finder(runs: Sequence[Run]) -> str:
 def _finder_tables(runs: Sequence[Run]) -> Iterator[str]:
     commits = ", ".join(sorted({f"`{run.commit}`" for run in runs}))
     dates = ", ".join(sorted({run.date for run in runs if run.date}))
-    yield f"\nFinder `{runs[0].finder}`, commit {commits}{f'; {dates}' if dates else ''}.\n"
+    yield (
+        f"\nVersion `{runs[0].finder}` of the finder (commit {commits}"
+        f"{f', run on {dates}' if dates else ''}).\n"
+    )
     yield "### By generator\n"
     yield from _table_heading("generator")
-    parts = {"**not used in development**": [r for r in runs if r.rank[0] == 0],
-             "**used in development**": [r for r in runs if r.rank[0] == 1],
+    parts = {"**unknown generators**": [r for r in runs if r.rank[0] == 0],
+             "**known generators, new studies**": [r for r in runs if r.rank[0] == 1],
              "**own generator**": [r for r in runs if r.rank[0] == 2]}  # fmt: skip
     for title, part in parts.items():
         if not part:
@@ -172,7 +176,7 @@ def _finder_tables(runs: Sequence[Run]) -> Iterator[str]:
         yield _score_row(title, _all_studies(part))
         yield from (_score_row(f"`{run.generator}`", run.studies) for run in part)
     judged = _all_studies([r for r in runs if r.rank[0] == 0]) or _all_studies(runs)
-    which = "generators not used in development" if parts[next(iter(parts))] else "all generators"
+    which = "unknown generators" if parts[next(iter(parts))] else "all generators"
     yield f"\n### By kind of study\n\nStudies of {which}.\n"
     yield "| studies | number | strict | all causes named |\n|---|---|---|---|"
     for title, test in _score_rows_by_kind(judged).items():
@@ -190,6 +194,10 @@ def _finder_tables(runs: Sequence[Run]) -> Iterator[str]:
             f"| {_percent_cell(one['true'] / one['count'], low, high)} |"
         )
     yield f"\n![Calibration]({CALIBRATION_PLOT.relative_to(EVIDENCE_PAGE.parent)})\n"
+    yield (
+        "*Share of named causes that were true, over their stated probability, with 95 % intervals "
+        "and the number of causes. On the line, probabilities are right.*\n"
+    )
     yield f"\n{_error_rows(judged)}\n"
 
 
@@ -207,6 +215,21 @@ def _finder_comparison(runs: Sequence[Run], name: str) -> Iterator[str]:
     for f in finders:
         mine = [r for r in runs if r.finder == f and r.generator in shared]
         yield _score_row(f"`{f}`", _all_studies(mine))
+    yield ""
+
+
+def _wrong_verdicts(runs: Sequence[Run]) -> Iterator[str]:
+    """A row for each wrong verdict of any recorded version, the latest version first."""
+    yield "\n### Wrong verdicts\n"
+    yield "Hidden and named causes of every study with a wrong verdict, by version of the finder.\n"
+    yield "| version | study | hidden | named (probability) |\n|---|---|---|---|"
+    for run in sorted(runs, key=lambda r: (r.date, r.finder), reverse=True):
+        for s in run.studies:
+            if not _is_strictly_right(s):
+                named = ", ".join(f"`{n}` {p:.2f}" for n, p in s["named"].items()) or "none"
+                hidden = ", ".join(f"`{n}`" for n in s["truth"]) or "none"
+                name = s["study"].removeprefix(f"{run.generator}-")
+                yield f"| `{run.finder}` | {run.generator} {name} | {hidden} | {named} |"
     yield ""
 
 
@@ -298,17 +321,17 @@ def _error_rows(studies: Sequence[Mapping[str, Any]]) -> str:
         after = [s["extended_m"] * 1000 for s in known]
         within = sum(f <= MAX_NOISE_FLOOR_RATIO for f in floors)
         lines.append(
-            f"Held-out path error, median: {np.median(before):.1f} mm before, "
-            f"{np.median(after):.1f} mm after; "
-            f"within {MAX_NOISE_FLOOR_RATIO} noise floors in {within} of {len(known)} studies."
+            f"The median path error on held-out trials is {np.median(before):.1f} mm without and "
+            f"{np.median(after):.1f} mm with the named causes. With them, it is at most "
+            f"{MAX_NOISE_FLOOR_RATIO} times the noise floor in {within} of {len(known)} studies."
         )
     if times:
         lines.append(
-            f"Processor time of the finder: median {np.median(times):.0f} s, "
-            f"longest {max(times):.0f} s."
+            f"The median processor time of the finder is {np.median(times):.0f} s, the longest "
+            f"{max(times):.0f} s."
         )
     failed = [s["study"] for s in studies if s.get("failure")]
-    lines.append(f"Runs that failed: {len(failed)} of {len(studies)}.")
+    lines.append(f"The finder failed in {len(failed)} of {len(studies)} studies.")
     return "\n".join(lines)
 
 
@@ -318,8 +341,8 @@ def draw_calibration_plot(runs: Sequence[Run], path: Path = CALIBRATION_PLOT) ->
 
     mine = [run for run in runs if run.finder == current_finder(runs)]
     sets = {
-        "not used in development": [r for r in mine if r.rank[0] == 0],
-        "used in development": [r for r in mine if r.rank[0] == 1],
+        "unknown generators": [r for r in mine if r.rank[0] == 0],
+        "known generators": [r for r in mine if r.rank[0] == 1],
         "own generator": [r for r in mine if r.rank[0] == 2],
     }
     path.parent.mkdir(parents=True, exist_ok=True)

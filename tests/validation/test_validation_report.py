@@ -54,7 +54,7 @@ def test_a_file_for_each_generator_comes_back_as_it_was_written(runs):
 
 def test_generators_that_were_not_used_in_development_stand_first(runs):
     text = report.result_tables(runs)
-    assert text.index("not used in development") < text.index("`kirchhoff`")
+    assert text.index("unknown generators") < text.index("`kirchhoff`")
 
 
 def test_scores_by_generator_have_their_intervals(runs):
@@ -79,16 +79,24 @@ def test_reliability_counts_true_names_in_bins_of_a_tenth(runs):
 
 def test_errors_and_failures_are_stated(runs):
     text = report.result_tables(runs)
-    assert "10.0 mm before, 1.2 mm after; within 1.3 noise floors in 3 of 3" in text
-    assert "failed: 1 of 3" in text
+    assert "10.0 mm without and 1.2 mm with the named causes" in text
+    assert "at most 1.3 times the noise floor in 3 of 3" in text
+    assert "failed in 1 of 3" in text
 
 
 def test_another_finder_is_compared_on_the_generators_that_both_were_run_on(runs, tmp_path):
     old = report.record(STUDIES[:3], finder="old", commit="0000000", date="2026-11-01")
     report.write_results(old, tmp_path)
     text = report.result_tables(report.load_runs(tmp_path))
-    assert "Finder `new`" in text
+    assert "Version `new` of the finder" in text
     assert table_row(text, "`old`")[0] == table_row(text, "`new`")[0] == "3"
+
+
+def test_each_wrong_verdict_has_a_row_with_hidden_and_named_causes(runs):
+    rows = report.result_tables(runs).split("### Wrong verdicts")[1]
+    assert "| kirchhoff 001 | `stall` | `stall` 0.91, `lift_lag` 0.62 |" in rows
+    assert "| unseen_water 002 | none | `clock_error` 0.58 |" in rows
+    assert "kirchhoff 000" not in rows
 
 
 def test_a_file_without_a_required_key_is_refused_by_name(tmp_path):

@@ -4,11 +4,14 @@ The numbers of a set are its coefficients b (flat prior, profiled), the strength
 their functional forms f ~ N(leading form, spread^2), and a discrepancy d ~ N(0, tau^2): residual
 terms in the channels of one of its causes. tau is a share of the force of the cause
 (`set_columns.DISCREPANCY_SHARES`), over which m(S) is averaged. With gradient g and
-information H of the likelihood, prior precision P and G the Schur complement of H + P that is left
-when b is profiled,
+information H of the likelihood, prior precision P, deviations x of f and d from the means of their
+priors, g_P = g - P x, n strengths, and G the Schur complement of H + P that is left when b is
+profiled,
 
-    log m(S) = log L + 1/2 g' (H + P)^-1 g + 1/2 log|P_fd| - 1/2 log|G| + k/2 log 2 pi
-               + sum_k log p(s_k)
+    log m(S) = log L - 1/2 x' P x + 1/2 g_P' (H + P)^-1 g_P + 1/2 log|P| - 1/2 log|G|
+               + n/2 log 2 pi + sum_k log p(s_k)
+
+At a fit, g_P is 0 in the fitted numbers.
 
 The strengths of each cause have a Cauchy prior (Jeffreys 1961, sec. 5.2) as wide as its plausible
 magnitude, which its file states: an effect far smaller than plausible costs what its precision

@@ -160,7 +160,7 @@ def current_finder(runs: Sequence[Run]) -> str:
 
 def _finder_tables(runs: Sequence[Run]) -> Iterator[str]:
     commits = ", ".join(sorted({f"`{run.commit}`" for run in runs}))
-    dates = ", ".join(sorted({run.date for run in runs if run.date}))
+    dates = ", ".join(sorted({run.date[:10] for run in runs if run.date}))
     yield (
         f"\nVersion `{runs[0].finder}` of the finder (commit {commits}"
         f"{f', run on {dates}' if dates else ''}).\n"

@@ -428,6 +428,15 @@ def test_an_alternative_that_is_not_excluded_is_in_the_credible_set() -> None:
     assert NamedCause("stall", 0.9999, {"lag": 0.0001}).credible_set == ["stall"]
 
 
+def test_a_named_cause_and_its_alternatives_share_the_probability_of_one() -> None:
+    one = NamedCause("stall", 0.94, {"lag": 0.06})
+    assert one.alternative_probabilities == {"lag": pytest.approx(1.0 - one.probability)}
+    two = NamedCause("stall", 0.84, {"lag": 0.08, "mass": 0.05})
+    assert two.probability + sum(two.alternative_probabilities.values()) == pytest.approx(1.0)
+    assert two.alternative_probabilities["lag"] > two.alternative_probabilities["mass"]
+    assert NamedCause("stall", 0.9, {}).alternative_probabilities == {}
+
+
 def test_a_calibrated_probability_rises_with_the_posterior_and_names_the_same_causes() -> None:
     posteriors = np.linspace(0.0, 1.0, 201)
     stated = np.array([calibrated_probability(p) for p in posteriors])

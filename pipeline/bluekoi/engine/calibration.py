@@ -38,5 +38,5 @@ def calibrated_shares(
 ) -> dict[str, float]:
     """Shares (sum 1) of alternatives, one of which acts, by their posterior probabilities."""
     powers = {name: math.pow(max(p, 0.0), slope) for name, p in posterior.items()}
-    total = sum(powers.values())
+    total = sum(powers.values()) or 1.0
     return {name: power / total for name, power in powers.items()}

@@ -28,6 +28,14 @@ class NamedCause:
         return calibrated_probability(self.posterior)
 
     @property
+    def alternative_probabilities(self) -> dict[str, float]:
+        """Calibrated probabilities of the alternatives: what the named cause leaves of 1, divided
+        by their calibrated shares. For one alternative with posterior 1 - p, this is that of 1 - p.
+        """
+        rest = 1.0 - self.probability
+        return {n: rest * share for n, share in calibrated_shares(self.alternatives).items()}
+
+    @property
     def credible_set(self) -> list[str]:
         """The fewest causes of the place, the most probable first, that hold 90 % of its calibrated
         shares.

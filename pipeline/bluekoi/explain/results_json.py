@@ -119,14 +119,15 @@ def rival_rows(
     named: Sequence[NamedCause], probabilities: Mapping[str, float]
 ) -> list[dict[str, Any]]:
     """Rivals of named causes: name, in_place_of (empty: beside them) and weight; all members of
-    credible sets, and other candidates of at least `MIN_RIVAL_PROBABILITY`.
+    credible sets, and other candidates with a posterior of `MIN_RIVAL_PROBABILITY` at least.
     """
     taken, out = {c.name for c in named}, list[dict[str, Any]]()
     members = {n for c in named for n in c.credible_set}
-    pairs = [(c.name, n, p) for c in named for n, p in c.alternatives.items()]
-    pairs += [("", n, p) for n, p in probabilities.items()]
-    for place, name, p in pairs:
-        if name not in taken and (p >= MIN_RIVAL_PROBABILITY or name in members):
+    rows = [(c.name, n, p, c.alternatives[n])
+            for c in named for n, p in c.alternative_probabilities.items()]  # fmt: skip
+    rows += [("", n, p, p) for n, p in probabilities.items()]
+    for place, name, p, posterior in rows:
+        if name not in taken and (posterior >= MIN_RIVAL_PROBABILITY or name in members):
             taken.add(name)
             out.append({"name": name, "in_place_of": place, "weight": p})
     return sorted(out, key=lambda r: -float(r["weight"]))

@@ -31,7 +31,7 @@ def summary(found: CauseSearchResult) -> str:
     parts.append(markdown_table(errors_head, error_rows(found)))
     held = found.held_out
     parts.append(f"Fitted to {held.fitted_to[0]} (baseline) and {held.fitted_to[1]} (extended); "
-                 f"stretches of {held.stretch_s:.3g} s at most.")  # fmt: skip
+                 f"intervals of {held.stretch_s:.3g} s at most.")  # fmt: skip
     parts.append(markdown_table(("probability", ""), probability_rows(found)))
     others = rivals_json(found)
     if others:

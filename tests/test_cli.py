@@ -123,6 +123,19 @@ def test_check_of_a_good_study_says_what_is_in_it(tmp_path):
     result = bluekoi("check", small_study(tmp_path / "study"))
     assert result.exit_code == 0
     assert "3 trials (0 filmed, 3 keypoint files) in 3 conditions; nothing wrong" in result.output
+    assert "Not checked here" not in result.output
+
+
+def test_check_says_what_it_cannot_check_of_a_film(tmp_path):
+    study = small_study(tmp_path / "study")
+    (study / "videos").mkdir()
+    encode_h264(study / "videos/T10.mp4", [np.full((1080, 1920, 3), 90, np.uint8)] * 3, fps=30,
+                size=(1920, 1080))  # fmt: skip
+    edit_trials_csv(study, T10={"source": "videos/T10.mp4", "fps": ""})
+    result = bluekoi("check", study)
+    assert "(1 filmed, 2 keypoint files)" in result.output
+    assert "Not checked here" in result.output
+    assert "the sign of the head angles" in result.output
 
 
 def test_check_reports_corners_that_miss_the_best_pose(tmp_path):

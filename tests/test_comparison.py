@@ -6,6 +6,7 @@ import csv
 import hashlib
 import json
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ import yaml
 from click.testing import CliRunner
 
 from bluekoi.cli import main
+from bluekoi.cli.outdated_results import warn_of_outdated_results
 from bluekoi.comparison import compare, comparison_figure, read_run
 from bluekoi.data import Steady
 from bluekoi.errors import InputError
@@ -137,6 +139,20 @@ def test_files_that_kept_size_and_date_are_not_read_again(tmp_path, monkeypatch)
     monkeypatch.setattr("bluekoi.stages.manifest.sha256", read.append)
     assert changes_since_run(load_study(study), results) == []
     assert read == []
+
+
+def test_results_of_the_demo_are_compared_with_the_files_of_its_study(
+    tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    study, results = small_study(tmp_path / "studies/demo"), tmp_path / "results"
+    write_manifest(study, results)
+    warn_of_outdated_results(Path("demo"), results)
+    assert capsys.readouterr().err == ""
+    text = (study / "study.yaml").read_text()
+    (study / "study.yaml").write_text(re.sub(r"mass_kg: [\d.]+", "mass_kg: 0.9", text))
+    warn_of_outdated_results(Path("demo"), results)
+    assert "mass_kg" in capsys.readouterr().err
 
 
 def test_a_trial_that_was_added_or_removed_is_a_change(tmp_path):

@@ -19,6 +19,13 @@ def _explain_key(ctx: click.Context, _param: click.Parameter, key: str | None) -
         ctx.exit()
 
 
+FILMED_NOTE = (
+    "Not checked here: what only the motion in the videos shows, such as the frame rate, the sign "
+    "of the head angles and the place of the camera. A run compares these with the files and names "
+    "what does not agree."
+)
+
+
 @click.command()
 @click.argument("study", type=StudyName(path_type=Path))
 @click.option(
@@ -64,3 +71,5 @@ def check(study: Path) -> None:
         f"{study}: {len(loaded.trials)} trials ({filmed} filmed, {len(loaded.trials) - filmed} "
         f"keypoint files) in {conditions} conditions; nothing {more}wrong."
     )
+    if filmed:
+        click.echo(FILMED_NOTE)

@@ -11,6 +11,10 @@ if TYPE_CHECKING:
     from ..study import Study
 
 
+DEMO_STUDY = Path("studies/demo")
+"""Where a run of `demo` lays out the files of its study (`demo_folder` in config/default.yaml)."""
+
+
 def warn_of_outdated_results(study: Path | Study, results: Path) -> None:
     """Name on the standard error what has changed in a study since its results were made.
 
@@ -21,6 +25,8 @@ def warn_of_outdated_results(study: Path | Study, results: Path) -> None:
     from ..study import load_study  # noqa: PLC0415
 
     if isinstance(study, Path):
+        if study == Path("demo") and not study.exists():
+            study = DEMO_STUDY
         if not (study / "study.yaml").is_file():
             return
         try:

@@ -94,6 +94,7 @@ def test_lens_uncertainty_is_of_the_right_width():
     assert 0.8 < width < 1.3, width
 
 
+@pytest.mark.long
 def test_the_model_is_chosen_by_views_held_out():
     rng = np.random.default_rng(6)
     wide = board_views(FISHEYE, poses(14, rng, near=0.12), 0.15, rng)
@@ -220,6 +221,7 @@ def test_a_video_without_the_board_is_given_up_after_a_first_look(tmp_path):
         calibrate_files([path], pattern="9x6", out=tmp_path / "c.yaml")
 
 
+@pytest.mark.long
 def test_charuco_boards_may_be_partly_out_of_view(tmp_path):
     markers = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_250)
     drawn = cv2.aruco.CharucoBoard((10, 7), 0.025, 0.01875, markers)

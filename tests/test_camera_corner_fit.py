@@ -70,7 +70,7 @@ def corner_errors_px(found_px: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("lens", [LENS, None], ids=["with a matrix", "without"])
 @pytest.mark.parametrize("rim_m", [0.0, RIM_M], ids=["one rim", "two rims"])
-@pytest.mark.parametrize("corner", [0, 2])
+@pytest.mark.parametrize("corner", [0, pytest.param(2, marks=pytest.mark.long)])
 def test_one_corner_31_px_off_is_put_right_in_one_run(lens, rim_m, corner):
     given = TRUTH.corners_px.copy()
     given[corner] += [25.0, -18.0]

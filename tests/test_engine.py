@@ -234,6 +234,7 @@ def test_further_rounds_of_noise_and_parameters_do_not_make_a_set_less_probable(
     assert min(gains) > -0.1
 
 
+@pytest.mark.long
 def test_the_noise_estimate_reaches_no_better_maximum_from_other_starts() -> None:
     """With the drag that acts and without it, where the random forces must explain it."""
     visited = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.0)))

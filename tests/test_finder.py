@@ -164,6 +164,7 @@ def test_a_camera_displaced_in_one_trial_is_found(published_model_study: Measure
     assert displaced_series[3].name not in result["held_out"]["trials"]
 
 
+@pytest.mark.long
 def test_displacements_in_several_trials_are_one_camera_s(
     published_model_study: MeasuredStudy,
 ) -> None:
@@ -373,6 +374,7 @@ def _late_recording(one: Series, frames: int, rng: np.random.Generator) -> Serie
     return replace(one, seen=np.concatenate([still, one.seen[:-frames]]))
 
 
+@pytest.mark.long
 def test_a_late_start_is_reported_with_its_delay(published_model_study: MeasuredStudy) -> None:
     """0.8 s: far from where a single start of the fit would lead."""
     rng = np.random.default_rng(5)
@@ -566,6 +568,7 @@ def test_a_recording_that_starts_before_the_motor_is_fitted_from_the_motors_star
     assert series.constants[plates().constants.index("t_start")] == 0.5
 
 
+@pytest.mark.long
 def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(
     published_model_study: MeasuredStudy,
 ) -> None:

@@ -95,7 +95,7 @@ def test_middle_step_is_found_to_a_third_of_a_pixel(name):
     assert np.all(np.median(off, axis=0) < 0.5)
 
 
-@pytest.mark.parametrize("stated", [1.0, 0.98, 1.03])
+@pytest.mark.parametrize("stated", [1.0, pytest.param(0.98, marks=pytest.mark.long), 1.03])
 @pytest.mark.parametrize("name", [STRAIGHT, LEFT])
 def test_the_whole_length_is_seen_to_a_quarter_of_a_percent(name, stated):
     """Where the pool is stated too short, all is seen too short by the same share."""

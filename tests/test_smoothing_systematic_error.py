@@ -30,6 +30,7 @@ def observed_with_bias(make, seed: int, size: float = 2.0) -> tuple:
     return truth, Pose(pose.time_s, values, pose.cov * (1 + size**2))
 
 
+@pytest.mark.long
 def test_an_error_common_to_all_frames_is_in_the_deviations():
     before, after = [], []
     for seed, make in enumerate([*MOTIONS.values(), *MOTIONS.values()]):

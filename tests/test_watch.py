@@ -66,6 +66,7 @@ def test_a_new_trial_and_a_changed_row_are_analysed_and_the_end_is_clean(tmp_pat
     assert {json.loads(path.read_text())["trial_id"] for path in statuses} == {"T09", "T10", "T11"}
 
 
+@pytest.mark.long
 def test_an_error_in_the_study_is_reported_and_the_next_change_waited_for(tmp_path):
     study = small_study(tmp_path / "study")
     good = (study / "trials.csv").read_text()

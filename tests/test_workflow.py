@@ -235,6 +235,7 @@ def finished_without_depth(finished_workflow, tmp_path_factory):
     return home
 
 
+@pytest.mark.long
 def test_rows_in_another_order_track_nothing_again(finished_without_depth, tmp_path):
     home = copy_workflow(finished_without_depth, tmp_path / "home")
     before = modification_times(home, "tracks/*.csv")
@@ -245,6 +246,7 @@ def test_rows_in_another_order_track_nothing_again(finished_without_depth, tmp_p
     assert modification_times(home, "tracks/*.csv") == before
 
 
+@pytest.mark.long
 def test_without_a_depth_a_row_that_says_nothing_on_it_tracks_its_trial_alone(
     finished_without_depth, tmp_path
 ):
@@ -292,6 +294,7 @@ def test_a_bad_trial_stops_only_itself_and_ends_the_run_with_a_word(workflow):
     assert (results / "figures/fig3.png").stat().st_mtime > newest
 
 
+@pytest.mark.long
 def test_results_that_were_copied_and_lost_a_row_are_of_the_rows_that_are_left(workflow):
     """Snakemake's own records are of the first folder; the copy is newer than trials.csv."""
     path = workflow.study / "trials.csv"
@@ -305,6 +308,7 @@ def test_results_that_were_copied_and_lost_a_row_are_of_the_rows_that_are_left(w
     assert not (copy / "mismatch.json").exists()  # of the three trials; the search was not run
 
 
+@pytest.mark.long
 def test_a_run_in_which_every_trial_fails_leaves_no_verdict_of_an_earlier_one(workflow):
     for path in (workflow.study / "keypoints").glob("*.csv"):
         path.write_text("")
@@ -336,6 +340,7 @@ def test_a_file_that_changes_while_the_run_works_is_named(workflow):
     assert manifest["changed_during_run"] == ["trials.csv"]
 
 
+@pytest.mark.long
 def test_a_result_that_was_deleted_comes_back(workflow):
     track = workflow.root / "results/study/tracks/T10.csv"
     before = track.read_bytes()
@@ -618,6 +623,7 @@ def test_ctrl_c_ends_the_run_in_words_with_130_and_it_goes_on_later(workflow, wi
     assert workflow.planned()["tracks"] == 1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("after_s", [1.2, 2.0, 2.6])
 def test_ctrl_c_while_snakemake_starts_and_plans_ends_it_in_words(
     workflow, with_default_sigint, after_s

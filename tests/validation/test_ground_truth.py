@@ -152,6 +152,7 @@ def test_the_stored_mean_path_is_sampled_finely_enough():
     np.testing.assert_allclose(found, (stated["speed_m_s"], stated["radius_m"]), rtol=1e-3)
 
 
+@pytest.mark.long
 def test_the_demo_is_laid_out_with_its_truth_in_another_folder(tmp_path):
     study, truth = tmp_path / "demo", tmp_path / "demo-truth/truth.json"
     write_demo_study(study)

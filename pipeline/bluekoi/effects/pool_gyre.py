@@ -35,7 +35,7 @@ STATEMENT = (
     "The water of the pool rotates slowly as one eddy, so that the current depends on the "
     "position in the pool."
 )
-REGIME = "depends on the position in the pool"
+REGIME = "all trials, differently at each position in the pool"
 CONFUSED_WITH = ("uniform_current", "wall_effect", "port_starboard_asymmetry")
 PARAMETERS = (
     Parameter("wall_speed", "m/s", 0.01, -0.3, 0.3,

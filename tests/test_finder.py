@@ -338,6 +338,10 @@ def test_the_sentence_says_on_which_trials(demo: tuple[MeasuredStudy, MismatchRe
     assert "on held-out trials the path error falls" in verdict_sentence(found, causes)
     small = replace(found, held_out=[f.name for f in found.forces])
     assert "on the fitted trials (none could be held out)" in verdict_sentence(small, causes)
+    worse = replace(found, errors={k: {"path_rmse_m": v} for k, v in
+                                   (("baseline", 0.006), ("extended", 0.0155))})  # fmt: skip
+    assert ("the path error rises from 6.0 to 15.5 mm, which does not confirm this"
+            in verdict_sentence(worse, causes))  # fmt: skip
 
 
 def test_every_candidate_and_an_unlisted_force_may_be_a_rival(

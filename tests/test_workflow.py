@@ -394,11 +394,11 @@ def test_time_left_is_work_over_pace():
     timing.expect({"tracks": 4, "all": 1, "total": 5})
     timing.start(1, "tracks", 0.0)
     timing.start(2, "tracks", 0.0)
-    assert timing.left_s(5.0) is None
+    assert timing.remaining_s(5.0) is None
     assert timing.finish(1, 10.0) == "tracks"
     timing.finish(2, 10.0)
     assert (timing.done, timing.total) == (2, 4)
-    assert timing.left_s(10.0) == pytest.approx(10.0)  # 20 s of work, two at a time
+    assert timing.remaining_s(10.0) == pytest.approx(10.0)  # 20 s of work, two at a time
 
 
 def test_time_left_before_the_long_jobs_is_what_they_took_the_last_time(tmp_path):
@@ -410,7 +410,7 @@ def test_time_left_before_the_long_jobs_is_what_they_took_the_last_time(tmp_path
     timing.expect({"tracks": 1, "tuning": 1, "mismatch": 1})
     timing.start(1, "tracks", 0.0)
     timing.finish(1, 10.0)
-    assert timing.left_s(10.0) == pytest.approx(2 * 180.0)  # twice as slow as the last time
+    assert timing.remaining_s(10.0) == pytest.approx(2 * 180.0)  # twice as slow as the last time
 
 
 def test_a_single_job_that_takes_longer_than_foreseen_is_not_said_to_end_soon():
@@ -419,8 +419,8 @@ def test_a_single_job_that_takes_longer_than_foreseen_is_not_said_to_end_soon():
     timing.start(1, "tracks", 0.0)
     timing.finish(1, 1.0)
     timing.start(2, "mismatch", 1.0)
-    assert timing.left_s(6.0) == pytest.approx(5.0)
-    assert timing.left_s(30.0) is None
+    assert timing.remaining_s(6.0) == pytest.approx(5.0)
+    assert timing.remaining_s(30.0) is None
 
 
 class Terminal(io.StringIO):

@@ -65,7 +65,7 @@ class Loop:
             raise TypeError(f"{place}: no value '{name}'")
         return self.load(row)
 
-    def keep(self, name: str, value: str) -> None:
+    def assign(self, name: str, value: str) -> None:
         """Let a name stand for a value from here on."""
         if not value.isidentifier() and value != "0.0":
             self._lines.written.append(f"v_{name} = {value}")
@@ -81,7 +81,7 @@ class Loop:
                 added = self.results(effect.hooks[stage.name], count, effect.name)
                 values = [_sum_expression(v, a) for v, a in zip(values, added, strict=True)]
         for name, value in zip(results, values, strict=True):
-            self.keep(name, value)
+            self.assign(name, value)
 
 
 def _sum_expression(a: str, b: str) -> str:

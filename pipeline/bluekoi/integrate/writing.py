@@ -143,11 +143,11 @@ def _fused_runge_kutta_stage(plan: _Plan, effects: Sequence[Effect]) -> list[str
         if effect.rates:
             rates = loop.results(effect.rates, len(effect.states), effect.name)
             for state, rate in zip(effect.states, rates, strict=True):
-                loop.keep(f"d_{state}", rate)
+                loop.assign(f"d_{state}", rate)
             states += effect.states
     clock = loop.value("clock_rate") if "clock_rate" in rows.named else "1.0"
     for name in ("weight", "reach"):
-        loop.keep(name, name if clock == "1.0" else f"{name} * {clock}")
+        loop.assign(name, name if clock == "1.0" else f"{name} * {clock}")
     for state in states:
         _add_rate_to_sum(loop, rows, state, loop.value(f"d_{state}"))
     return plan.text(loop, 3)
@@ -185,7 +185,7 @@ def _runge_kutta_shift_source(plan: _Plan, states: Sequence[str]) -> list[str]:
     loop = Loop(plan.rows)
     clock = f" * {loop.value('clock_rate')}" if "clock_rate" in plan.rows.named else ""
     for name in ("weight", "reach"):
-        loop.keep(name, name + clock)
+        loop.assign(name, name + clock)
     for state in states:
         _add_rate_to_sum(loop, plan.rows, state, loop.load(plan.rows.of(f"d_{state}")))
     return plan.text(loop, 3)

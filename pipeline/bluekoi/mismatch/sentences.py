@@ -48,8 +48,9 @@ def _path_error_clause(found: MismatchResult) -> str:
     on = "on held-out trials" if held else "on the fitted trials (none could be held out)"
     if found.verdict == "none":
         return f"{on} the path error is {before:.1f} mm"
-    way = "falls" if after < before else "changes"
-    return f"{on} the path error {way} from {before:.1f} to {after:.1f} mm"
+    way = "falls" if after < before else "rises"
+    doubt = ", which does not confirm this" if held and after > before else ""
+    return f"{on} the path error {way} from {before:.1f} to {after:.1f} mm{doubt}"
 
 
 def unexplained_sentence(variable: str) -> str:

@@ -190,7 +190,7 @@ class Progress(logging.Handler):
         if not (self.live or now or moment - self.last_s > PRINT_EVERY_S):
             return
         self.last_s = moment
-        left = self.timing.left_s(moment)
+        left = self.timing.remaining_s(moment)
         ends = f"  about {duration_text(left)} left" if left is not None else ""
         head = f"[{self.timing.done}/{self.timing.total}]"
         text = f"{head} {name}{self._word()}{ends}".rstrip()

@@ -57,7 +57,7 @@ class Timing:
         """Names of the rules at work."""
         return ", ".join(dict.fromkeys(rule for rule, _ in self.started.values()))
 
-    def left_s(self, now_s: float) -> float | None:
+    def remaining_s(self, now_s: float) -> float | None:
         """Seconds left: work left over the pace so far; None before anything is done.
 
         None also where the only job of a rule takes longer than ever before.

@@ -29,7 +29,7 @@ from bluekoi.fitting import Normal, TrialRandomEffect, cluster_covariance, cov_j
 from bluekoi.integrate import LANES, compiled
 from bluekoi.model import plates
 from bluekoi.tuning import downsampled, fit_all_trials
-from bluekoi.tuning.joint_fit import servo_random_effect
+from bluekoi.tuning.joint_fit import head_angle_error_information
 from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
 
 NAMES = tuple(COEFFICIENTS)
@@ -48,7 +48,9 @@ def fit_batch(job: tuple[int, int, int]) -> list[tuple[np.ndarray, ...]]:
         few = downsampled(series)
         tuned = fit_all_trials(few)
         fit = tuned.fit
-        own = servo_random_effect(compiled(plates()), few, fit, tuned.base, noise=tuned.noise)
+        own = head_angle_error_information(
+            compiled(plates()), few, fit, tuned.base, noise=tuned.noise
+        )
         out.append((fit.values, fit.normal.hessian, fit.normal.gradient,
                     own.cross, own.fisher, own.score))  # fmt: skip
     return out

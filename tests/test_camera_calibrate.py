@@ -9,7 +9,7 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 from bluekoi.camera.boards import Board, BoardView, find_board, read_board
-from bluekoi.camera.focal_length_groups import two_focal_lengths
+from bluekoi.camera.focal_length_groups import zoom_change_remark
 from bluekoi.camera.gyroflow_profile import read_profile
 from bluekoi.camera.lens import Lens, lens_parameters, project_to_pixels
 from bluekoi.camera.lens_bundle_adjustment import fit_lens
@@ -159,7 +159,7 @@ def test_two_zooms_in_one_set_are_reported(seed):
     where = poses(20, rng)
     views = board_views(PINHOLE, where[:12], 0.2, rng) + board_views(longer, where[12:], 0.2, rng)
     found = evaluate_model(views, "pinhole", 4, IMAGE_SIZE_PX)
-    assert "two focal lengths" in two_focal_lengths(found.fit, list(found.views))
+    assert "two focal lengths" in zoom_change_remark(found.fit, list(found.views))
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -168,7 +168,7 @@ def test_one_zoom_is_not_taken_for_two(seed):
     found = evaluate_model(
         board_views(PINHOLE, poses(14, rng), 0.3, rng), "pinhole", 4, IMAGE_SIZE_PX
     )
-    assert two_focal_lengths(found.fit, list(found.views)) == ""
+    assert zoom_change_remark(found.fit, list(found.views)) == ""
 
 
 def test_a_view_grossly_off_is_left_out_and_named():

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from bluekoi.camera import Lens, PoolCamera, camera_from_corners, map_to_pool, pool_to_pixels
 from bluekoi.camera.calibration_uncertainty import (
     calibration_covariance_at_pixels,
-    calibration_error_modes,
+    calibration_covariance_factor,
 )
 from bluekoi.camera.geometry_hypotheses import fit_hypothesis
 from bluekoi.camera.resection import first_order_pose, pool_rectangle, pose_from_marks
@@ -259,7 +259,7 @@ def test_calibration_modes_are_what_misclicked_corners_do():
     rng = np.random.default_rng(2)
     spot = pool_to_pixels(TRUTH, np.array([[0.3, 0.3, -0.04], [2.2, 1.3, -0.04]]))
     camera = replace(TRUTH, corner_std_px=1.0)
-    modes = calibration_error_modes(camera, spot, DEPTH_M)
+    modes = calibration_covariance_factor(camera, spot, DEPTH_M)
     assert modes.shape == (2, 2, 8)
     places = []
     for _ in range(120):

@@ -12,7 +12,7 @@ from bluekoi.integrate import compiled
 from bluekoi.mismatch.laws import (
     TRIAL_PARTS,
     VARIABLES_OF_EFFECT,
-    cause_laws,
+    cause_force_curves,
     equal_count_bins,
     partial_residuals,
 )
@@ -47,7 +47,7 @@ def damped_model():
 
 @pytest.fixture(scope="module")
 def damping_laws(damped_model):
-    return cause_laws(*damped_model)
+    return cause_force_curves(*damped_model)
 
 
 def test_a_damping_is_a_moment_against_the_yaw_rate_with_the_band_of_its_number(damping_laws):

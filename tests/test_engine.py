@@ -44,7 +44,7 @@ from bluekoi.engine.problem import MAX_SEARCH_TRIALS
 from bluekoi.engine.set_columns import Layout
 from bluekoi.engine.set_score import at_optimum, score_set, with_discrepancy
 from bluekoi.engine.subset import designed_subset
-from bluekoi.fitting import Z_95, Free, Noise, Series, between_trial_covariance
+from bluekoi.fitting import Z_95, Free, Noise, Series, cluster_robust_covariance
 from bluekoi.fitting.trial_effects import marginal_products
 from bluekoi.integrate import Effect, Parameter, Stage, System, compiled
 from validation.noise_starts import gain_table, gains_of_sets
@@ -285,7 +285,7 @@ def test_a_strength_is_judged_with_the_form_of_its_cause_held() -> None:
     )  # fmt: skip
     fitted = fit_own_noise(problem, fit_set(problem, ("drag",), problem.noise, {}))
     label = "drag.k"
-    free = between_trial_covariance(fitted.fit.normal, np.ones(3, dtype=bool))
+    free = cluster_robust_covariance(fitted.fit.normal, np.ones(3, dtype=bool))
     wide = float(free.half_widths()[1]) / Z_95
     value, std = strength_estimates(fitted, problem.by_name)[label]
     assert value == fitted.fit.by_label()[label]

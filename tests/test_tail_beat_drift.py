@@ -46,3 +46,20 @@ def test_few_frames_and_beats_faster_than_the_camera_show_no_drift():
     assert np.isnan(tail_beat_drift(beat, 3.0)).all()
     fast = drifting_beat(np.random.default_rng(8), 14.0, -0.02)
     assert np.isnan(tail_beat_drift(fast, 14.0)).all()
+
+
+def test_a_long_recording_is_measured_over_its_first_beats():
+    """Of 40 minutes at 5 Hz, 12,000 beats, the first minute is used."""
+    found, std = tail_beat_drift(
+        drifting_beat(np.random.default_rng(9), 5.0, 0.0, frames=60_000, fps=25.0), 5.0
+    )
+    assert abs(found) < 4 * std < 0.001
+
+
+@pytest.mark.parametrize("frame_s", [1000.0, 1e-6])
+def test_absurd_frame_rates_take_no_longer(frame_s):
+    """The number of beats limits the work, not the stated time."""
+    t = np.arange(300) * frame_s
+    beat = positions_with_tail_angles(t, 0.3 * np.sin(2 * np.pi * 0.1 * np.arange(300)))
+    found, _ = tail_beat_drift(beat, 0.1 / frame_s)
+    assert np.isnan(found) or abs(found) * t[-1] < 1.0

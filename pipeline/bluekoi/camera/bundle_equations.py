@@ -18,7 +18,7 @@ PIXEL_OF_UNPROJECTED_CORNER = -3000.0
 
 
 @dataclass(frozen=True)
-class BoardCorners:
+class StackedCorners:
     """All corners of all views: board_m (n, 3), image_px (n, 2), view (n,), each view's slice."""
 
     board_m: Float
@@ -40,10 +40,10 @@ class NormalEquations:
     pose_rhs: Float
 
 
-def gather_corners(lens: Lens, views: list[BoardView]) -> BoardCorners:
+def gather_corners(lens: Lens, views: list[BoardView]) -> StackedCorners:
     """All corners of all views as arrays, for one kind of lens."""
     counts = [len(view.board_m) for view in views]
-    return BoardCorners(
+    return StackedCorners(
         board_m=np.concatenate([view.board_m for view in views]),
         image_px=np.concatenate([view.image_px for view in views]),
         view=np.repeat(np.arange(len(views)), counts),
@@ -53,13 +53,13 @@ def gather_corners(lens: Lens, views: list[BoardView]) -> BoardCorners:
     )
 
 
-def _corners_in_camera_frame(poses: Float, corners: BoardCorners) -> Float:
+def _corners_in_camera_frame(poses: Float, corners: StackedCorners) -> Float:
     """Corners (n, 3) in the camera frame."""
     rotations = Rotation.from_rotvec(poses[:, :3]).as_matrix()[corners.view]
     return np.einsum("nij,nj->ni", rotations, corners.board_m) + poses[corners.view, 3:]
 
 
-def residuals_px(state: Float, poses: Float, corners: BoardCorners) -> Float:
+def residuals_px(state: Float, poses: Float, corners: StackedCorners) -> Float:
     """Found minus modelled corner (n, 2), px."""
     image = project_to_pixels(
         lens_from_parameters(state, corners.model, corners.size_px),
@@ -68,7 +68,7 @@ def residuals_px(state: Float, poses: Float, corners: BoardCorners) -> Float:
     return corners.image_px - np.nan_to_num(image, nan=PIXEL_OF_UNPROJECTED_CORNER)
 
 
-def _projection_jacobian(state: Float, poses: Float, corners: BoardCorners) -> Float:
+def _projection_jacobian(state: Float, poses: Float, corners: StackedCorners) -> Float:
     """Derivative (n, 2, p + 6) of modelled corners by the lens and by their view's pose.
 
     d(R b)/dw = -R [b]x J_r(w), J_r(w) = I - (1 - cos t)/t^2 [w]x + (t - sin t)/t^3 [w]x^2, t = |w|:
@@ -100,7 +100,7 @@ def _cross_matrix(vectors: Float) -> Float:
 
 
 def normal_equations(
-    state: Float, poses: Float, corners: BoardCorners, residuals: Float
+    state: Float, poses: Float, corners: StackedCorners, residuals: Float
 ) -> NormalEquations:
     """Normal equations of each view at a lens (p,) and poses (views, 6)."""
     size, slope = len(state), _projection_jacobian(state, poses, corners)

@@ -13,7 +13,9 @@ from .pool_projection import PoolCamera, map_to_pool, pool_to_pixels
 from .resection import first_order_pose
 
 
-def calibration_error_modes(camera: PoolCamera, uv_px: Float, depth_m: float | Float) -> Float:
+def calibration_covariance_factor(
+    camera: PoolCamera, uv_px: Float, depth_m: float | Float
+) -> Float:
     """Shifts (n, 2, k), m, of places, one column for each independent error of the calibration.
 
     The covariance of places i and j from the calibration is modes[i] @ modes[j].T: it does not
@@ -30,7 +32,7 @@ def calibration_covariance_at_pixels(
     camera: PoolCamera, uv_px: Float, depth_m: float | Float
 ) -> Float:
     """Covariance (n, 2, 2), m2, of each place from the calibration alone."""
-    modes = calibration_error_modes(camera, uv_px, depth_m)
+    modes = calibration_covariance_factor(camera, uv_px, depth_m)
     return np.asarray(modes @ np.swapaxes(modes, 1, 2))
 
 

@@ -22,7 +22,7 @@ MIN_VIEWS_PER_GROUP = 3
 MAX_LISTED_NAMES = 6
 
 
-def two_focal_lengths(fit: LensFit, views: list[BoardView]) -> str:
+def zoom_change_remark(fit: LensFit, views: list[BoardView]) -> str:
     """A remark where the views fall into two groups of different focal length; else empty.
 
     The split minimises the weighted scatter of the views' own focal lengths within both groups.

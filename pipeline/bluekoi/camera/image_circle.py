@@ -28,7 +28,7 @@ class ImageCircle:
     center_px: tuple[float, float]
     radius_px: float
 
-    def farthest_px(self, u: float, v: float) -> float:
+    def max_distance_px(self, u: float, v: float) -> float:
         """Largest distance, px, of a point of the circle from (u, v)."""
         return self.radius_px + float(np.hypot(self.center_px[0] - u, self.center_px[1] - v))
 

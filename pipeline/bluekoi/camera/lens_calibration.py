@@ -15,7 +15,7 @@ from ..files import write_text
 from .board_pictures import BoardViews, find_board_views, read_grey_pictures
 from .boards import BoardView, read_board
 from .calibration_picture import draw_calibration
-from .focal_length_groups import two_focal_lengths
+from .focal_length_groups import zoom_change_remark
 from .gyroflow_profile import read_profile
 from .image_circle import ImageCircle
 from .lens import LENS_MODELS, Lens
@@ -183,7 +183,7 @@ def _calibration_result(
         )
     if best.held_out_px > MAX_HELD_OUT_TO_USED_ERROR_RATIO * best.fit.rms_px:
         remarks.append("held-out views fit worse than those used: take more views")
-    if two := two_focal_lengths(best.fit, list(best.views)):
+    if two := zoom_change_remark(best.fit, list(best.views)):
         remarks.append(two)
     return Calibration(
         lens=best.fit.lens,

@@ -189,7 +189,7 @@ def folds_inside_image(lens: Lens, circle: ImageCircle | None = None) -> bool:
     cx, cy = lens.matrix[:2, 2]
     farthest = float(np.hypot(max(cx, width - cx), max(cy, height - cy)))
     if circle:
-        return fold_radius_px(lens) < min(farthest, circle.farthest_px(cx, cy))
+        return fold_radius_px(lens) < min(farthest, circle.max_distance_px(cx, cy))
     beyond_horizon = lens.model == "fisheye" and fold_radius(lens) > np.pi / 2
     return fold_radius_px(lens) < farthest and not beyond_horizon
 

@@ -106,7 +106,7 @@ def map_keypoints(camera: PoolCamera, keypoints: Keypoints, depth_m: float) -> P
     """Keypoints of one trial in the pool frame, all at one depth, with cov = J cov_px2 J^T.
 
     The covariance is the detections' own; what the calibration adds is common to all frames and
-    comes from `calibration_error_modes`.
+    comes from `calibration_covariance_factor`.
     """
     flat = keypoints.xy_px.reshape(-1, 2)
     xy = map_to_pool(camera, flat, depth_m)

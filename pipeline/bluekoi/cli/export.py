@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..campaign import Campaign
     from ..data import Float, Track
 
-EXPORTED_PARTS = ("head_tip", "hinge", "core_center", "tail_base")
+EXPORTED_KEYPOINTS = ("head_tip", "hinge", "core_center", "tail_base")
 """Keypoints that are written: those on the rigid parts."""
 EXPORTED_UNITS = {
     "heading_rad": "rad",
@@ -94,7 +94,7 @@ def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
 
     track = campaign.tracks[trial_id]
     position = _keypoint_positions(campaign, trial_id, track)[..., None]
-    names = {"space": ("x", "y"), "keypoint": EXPORTED_PARTS, "individual": (INDIVIDUAL_NAME,)}
+    names = {"space": ("x", "y"), "keypoint": EXPORTED_KEYPOINTS, "individual": (INDIVIDUAL_NAME,)}
     with atomic_write(path) as temporary, netcdf_file(temporary, "w", version=2) as out:
         for name, value in _dataset_attributes(campaign, trial_id).items():
             setattr(out, name, value)
@@ -104,7 +104,7 @@ def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
             _write_labels(out, name, labels)
         _write_variable(out, "time", ("time",), track.time_s)
         _write_variable(out, "position", ("time", *names), position, "m")
-        unknown = np.full((len(position), len(EXPORTED_PARTS), 1), np.nan)
+        unknown = np.full((len(position), len(EXPORTED_KEYPOINTS), 1), np.nan)
         _write_variable(out, "confidence", ("time", "keypoint", "individual"), unknown)
         for name, unit in EXPORTED_UNITS.items():
             for column in (name, f"{name}_std"):

@@ -29,7 +29,7 @@ STATEMENT = (
 )
 REGIME = "all turns; a shift to one side also in straight runs"
 CONFUSED_WITH = ("head_angle_offset", "stall", "tail_fin_lift", "keypoint_bias")
-STRENGTHS = 2
+STRENGTH_COUNT = 2
 PARAMETERS = (
     Parameter("forward_shift", "m", 0.005, -0.08, 0.08, "shift towards the head", symbol="d"),
     Parameter("left_shift", "m", 0.003, -0.04, 0.04, "shift to the left of the core", symbol="s"),

@@ -30,7 +30,7 @@ STATEMENT = (
 )
 REGIME = "turns, with opposite sign to port and starboard"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "keypoint_bias")
-STRENGTHS = 3
+STRENGTH_COUNT = 3
 PARAMETERS = (
     Parameter("lift_difference", "1", 0.05, -1.0, 1.0,
               "lift to the left over that of a symmetric head, minus 1",

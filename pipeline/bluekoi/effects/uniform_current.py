@@ -25,7 +25,7 @@ STATEMENT = (
 )
 REGIME = "all trials, in a fixed direction of the pool"
 CONFUSED_WITH = ("pool_gyre", "keypoint_bias", "trim_moment")
-STRENGTHS = 2
+STRENGTH_COUNT = 2
 PARAMETERS = (
     Parameter("c_x", "m/s", 0.005, -0.3, 0.3, "current along the pool's x"),
     Parameter("c_y", "m/s", 0.005, -0.3, 0.3, "current along the pool's y"),

@@ -27,7 +27,7 @@ STATEMENT = (
 )
 REGIME = "within about 0.3 m of a wall"
 CONFUSED_WITH = ("pool_gyre", "uniform_current")
-STRENGTHS = 3
+STRENGTH_COUNT = 3
 PARAMETERS = (
     Parameter("added_drag", "1", 0.5, 0.0, 20.0,
               "share of the drag 1/2 rho A V^2 added at the wall", symbol="k"),

@@ -104,20 +104,20 @@ def sources_of(effect: Effect) -> Sources:
     return frozenset((c, v) for c in effect.channels for v in effect.variables)
 
 
-def parameter_of(system: System, free: Free) -> Parameter:
+def parameter_definition(system: System, free: Free) -> Parameter:
     """The parameter that a free number is a value of."""
     return system.parameters[system.slot[free.name]]
 
 
 def strength_step(system: System, free: Free) -> float:
     """Size of the difference by which a strength is varied about 0."""
-    p = parameter_of(system, free)
+    p = parameter_definition(system, free)
     return 1e-3 * max(abs(p.start), 0.01 * (p.upper - p.lower))
 
 
 def form_precision(system: System, forms: Sequence[Free]) -> Float:
     """Prior precision (forms,) of functional forms, uniform ones as wide as their bounds."""
-    rows = [parameter_of(system, f) for f in forms]
+    rows = [parameter_definition(system, f) for f in forms]
     uniform = [(p.upper - p.lower) / np.sqrt(12.0) for p in rows]
     return np.array([min(p.spread, u) ** -2.0 for p, u in zip(rows, uniform, strict=True)])
 
@@ -126,5 +126,5 @@ def has_single_sign(system: System, candidate: Candidate) -> bool:
     """Whether the strength has one possible sign."""
     if len(candidate.strengths) != 1:
         return False
-    p = parameter_of(system, candidate.strengths[0])
+    p = parameter_definition(system, candidate.strengths[0])
     return p.lower >= 0.0 or p.upper <= 0.0

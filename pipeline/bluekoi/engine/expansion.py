@@ -22,7 +22,7 @@ from ..fitting.predictions import ParameterChange, difference_step
 from ..fitting.side_measurements import side_measurement_terms
 from ..fitting.trial_effects import marginal_products_at_effects
 from ..integrate import System
-from .candidates import Candidate, has_single_sign, parameter_of, strength_step
+from .candidates import Candidate, has_single_sign, parameter_definition, strength_step
 from .forces import forces_in_set
 from .problem import Problem
 from .refit import FittedSet, start_values
@@ -91,7 +91,7 @@ def expand_in_all_forms(
         if candidate.name in model.causes:
             continue
         for values in _forms_to_try(problem, candidate):
-            offsets = {system.slot[n]: v - parameter_of(system, Free(n)).start
+            offsets = {system.slot[n]: v - parameter_definition(system, Free(n)).start
                        for n, v in values.items()}  # fmt: skip
             first = len(changes)
             for free in candidate.strengths:
@@ -145,7 +145,7 @@ def _forms_to_try(problem: Problem, candidate: Candidate) -> list[dict[str, floa
     strength is 0 only within a tolerance keeps its leading form, which the tolerance is stated for.
     """
     system = problem.kernel.system
-    rows = [(f.label, parameter_of(system, f)) for f in candidate.forms]
+    rows = [(f.label, parameter_definition(system, f)) for f in candidate.forms]
     if not candidate.is_residual:
         if any(f.name in problem.tolerances for f in candidate.strengths):
             return [{}]
@@ -196,7 +196,7 @@ def likely_strengths(problem: Problem, expansion: Expansion, cause: str) -> dict
     strengths = problem.by_name[cause].strengths
     columns = [*expansion.own, *expansion.strengths[cause]]
     step = _newton_step(expansion.hessian.sum(axis=0), expansion.gradient.sum(axis=0), columns)
-    rows = [parameter_of(problem.kernel.system, f) for f in strengths]
+    rows = [parameter_definition(problem.kernel.system, f) for f in strengths]
     return {f.label: float(value)
             for f, p, value in zip(strengths, rows, step[len(expansion.own) :], strict=True)
             if p.lower < value < p.upper and value != 0}  # fmt: skip
@@ -236,7 +236,7 @@ def _strength_change(
 
 def _form_offset(system: System, form: Free) -> float:
     """One prior standard deviation of a form, towards the farther bound and within it."""
-    p = parameter_of(system, form)
+    p = parameter_definition(system, form)
     size = min(p.spread, (p.upper - p.lower) / np.sqrt(12.0))
     up = p.upper - p.start >= p.start - p.lower
     return float(min(size, p.upper - p.start) if up else -min(size, p.start - p.lower))

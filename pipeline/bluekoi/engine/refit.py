@@ -18,7 +18,7 @@ from ..fitting import (
     log_likelihoods,
     normal_equations,
 )
-from .candidates import Candidate, parameter_of
+from .candidates import Candidate, parameter_definition
 from .problem import Problem
 
 STEP_TOLERANCE_STDS = 0.2
@@ -153,7 +153,7 @@ def fit_set(
     normal = normal_equations(problem.kernel, problem.series, point, own, values, noise=noise,
                               predictor=predictor,
                               effects=found.normal.effects.values)  # fmt: skip
-    rows = [parameter_of(problem.kernel.system, f) for f in own]
+    rows = [parameter_definition(problem.kernel.system, f) for f in own]
     bound = [not p.lower < v < p.upper for p, v in zip(rows, values, strict=True)]
     return FittedSet(tuple(causes), replace(found, free=own, values=values, normal=normal), noise,
                      predictor, np.array(bound, dtype=bool), left, deviations or {})  # fmt: skip

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import Free
-from .candidates import Candidate, form_precision, has_single_sign, parameter_of
+from .candidates import Candidate, form_precision, has_single_sign, parameter_definition
 from .expansion import Expansion
 from .problem import Problem
 
@@ -133,7 +133,7 @@ def _fitted_columns(
                  for f, size in zip(own, sizes, strict=True)]  # fmt: skip
     free = [f for f in candidate.forms if f.label in place]
     forms = [_Column(place[f.label], float(precision), True,
-                     included=bool(np.isfinite(parameter_of(system, f).spread)))
+                     included=bool(np.isfinite(parameter_definition(system, f).spread)))
              for f, precision in zip(free, form_precision(system, free), strict=True)]  # fmt: skip
     return strengths, forms
 
@@ -173,7 +173,7 @@ def plausible_strengths(problem: Problem, cause: str) -> Float:
     system, candidate = problem.kernel.system, problem.by_name[cause]
     if cause in problem.residual_sizes:
         return np.array(problem.residual_sizes[cause])
-    return np.array([parameter_of(system, f).typical for f in candidate.strengths])
+    return np.array([parameter_definition(system, f).typical for f in candidate.strengths])
 
 
 def _relative_deviations(
@@ -250,6 +250,9 @@ def _is_held(problem: Problem, expansion: Expansion, column: int) -> bool:
     free = expansion.model.fit.free
     if column >= len(free):
         return False
-    p, value = parameter_of(problem.kernel.system, free[column]), expansion.model.fit.values[column]
+    p, value = (
+        parameter_definition(problem.kernel.system, free[column]),
+        expansion.model.fit.values[column],
+    )
     g = float(expansion.gradient[:, column].sum())
     return bool((value <= p.lower and g <= 0) or (value >= p.upper and g >= 0))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..fitting import cov_hc2
-from .candidates import parameter_of
+from .candidates import parameter_definition
 from .evidence import discrepancy_at_best, log_evidence, log_prior
 from .expansion import Expansion, expand_about
 from .own_noise import MAX_NOISE_ROUNDS, fit_own_noise
@@ -120,7 +120,11 @@ def at_optimum(problem: Problem, expansion: Expansion) -> Expansion:
     slopes = gradient.sum(axis=0)
     wanted = {}
     for k, (free, held) in enumerate(zip(model.fit.free, model.at_bound, strict=True)):
-        inward = 1 if model.fit.values[k] <= parameter_of(problem.kernel.system, free).lower else -1
+        inward = (
+            1
+            if model.fit.values[k] <= parameter_definition(problem.kernel.system, free).lower
+            else -1
+        )
         wanted[k] = inward * min(inward * slopes[k], 0.0) if held else 0.0
     for name, columns in expansion.strengths.items():
         for free, column in zip(problem.by_name[name].strengths, columns, strict=True):

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..fitting import Z_95, between_trial_covariance
+from ..fitting import Z_95, cluster_robust_covariance
 from .candidates import Candidate
 from .named_cause import NamedCause
 from .refit import FittedSet, off_bounds_mask
@@ -29,7 +29,7 @@ def strength_estimates(model: FittedSet, candidates: Mapping[str, Candidate]) ->
     for candidate in (candidates[name] for name in model.causes):
         free = off_bounds_mask(model)
         free[[place[f.label] for f in candidate.forms if f.label in place]] = False
-        std = between_trial_covariance(model.fit.normal, free).half_widths() / Z_95
+        std = cluster_robust_covariance(model.fit.normal, free).half_widths() / Z_95
         out |= {f.label: (float(model.fit.values[i]), float(std[i]) if free[i] else np.nan)
                 for f in candidate.strengths if (i := place.get(f.label)) is not None}  # fmt: skip
     return out

@@ -24,7 +24,7 @@ from ..fitting import (
 from ..fitting.trial_effects import drawn_trial_effects, points_with_effects
 from .model import Model
 
-MAX_LOG_ERROR_GROWTH = 6.0
+MAX_LOG_PERTURBATION_GROWTH = 6.0
 """Small differences may grow by e^6 over a compared segment."""
 MAX_FOLDS, MIN_SEGMENT_FRAMES, MAX_REFITTED_PARAMETERS = 6, 8, 15
 """Groups of conditions left out in turn, observations of a compared segment, and parameters with
@@ -127,7 +127,7 @@ def errors_by_better_criterion(
         errors: dict[str, list[Float]] = {}
         for train, own in parts:
             local = replace(problem, series=tuple(train))
-            again = one if len(train) == len(problem.series) else refit_to_other_trials(local, one)
+            again = one if len(train) == len(problem.series) else refit_to_trials(local, one)
             for found in fit_by_both_criteria(local, again):
                 rows = errors.setdefault(found.criterion, [])
                 rows += segment_errors(model, local, found, own, horizon_s)
@@ -136,7 +136,7 @@ def errors_by_better_criterion(
     return out
 
 
-def refit_to_other_trials(problem: Problem, model: FittedSet) -> FittedSet:
+def refit_to_trials(problem: Problem, model: FittedSet) -> FittedSet:
     """The same set under the same noise, fitted to other trials; itself where that runs away."""
     found = fit_set(problem, model.causes, model.noise, model.fit.by_label(),
                    free=[f for f in model.fit.free if f.group is None
@@ -163,7 +163,7 @@ def predictability_horizon_s(problem: Problem, model: FittedSet, series: Sequenc
         for frame in range(1, len(one.times)):
             growth = result.transitions[frame, :own, :own] @ growth
             size = np.linalg.norm(growth * scale / scale[:, None], 2)
-            if not np.isfinite(size) or size > np.exp(MAX_LOG_ERROR_GROWTH):
+            if not np.isfinite(size) or size > np.exp(MAX_LOG_PERTURBATION_GROWTH):
                 longest[k] = float(one.times[frame] - one.times[0])
                 break
     return float(np.median(longest))

@@ -34,7 +34,7 @@ COLUMN_KEYS = ("column", "unit")
 TRIAL_KEYS = ("file", "name", "condition", "group", "role", "constants", "start_s", "end_s",
               "evidence")  # fmt: skip
 """Keys of an entry of `trials`."""
-TIME_COLUMN = "time"
+TIME_COLUMN_KEY = "time"
 """Entry of `columns` for the time."""
 CSV_SEPARATORS = (";", "\t")
 """Separators of a csv other than the comma."""
@@ -94,7 +94,7 @@ def _columns_and_factors(
     model: Model, settings: Mapping[str, Any], path: Path
 ) -> dict[str, tuple[str, float]]:
     """Time, inputs and observations -> column of the csv and factor to the model's unit."""
-    wanted = {TIME_COLUMN: "s"} | {i.name: i.unit for i in model.inputs}
+    wanted = {TIME_COLUMN_KEY: "s"} | {i.name: i.unit for i in model.inputs}
     wanted |= {o.name: o.unit for o in model.observations}
     given = settings.get("columns")
     if not isinstance(given, dict):
@@ -148,13 +148,13 @@ def _read_trial(
     if start > end:
         raise input_error(path, "start_s, end_s", f"an end at {end:g} s before the start at "
                           f"{start:g} s", "a start before the end")  # fmt: skip
-    kept = (table[TIME_COLUMN] >= start) & (table[TIME_COLUMN] <= end) | ~np.isfinite(
-        table[TIME_COLUMN]
+    kept = (table[TIME_COLUMN_KEY] >= start) & (table[TIME_COLUMN_KEY] <= end) | ~np.isfinite(
+        table[TIME_COLUMN_KEY]
     )
     if len(kept) and not kept.any():
         raise input_error(path, "start_s, end_s", f"no sample from {start:g} to {end:g} s",
                           "times within those of the file, "
-                          f"{_time_range_text(table[TIME_COLUMN])} s")  # fmt: skip
+                          f"{_time_range_text(table[TIME_COLUMN_KEY])} s")  # fmt: skip
     own = _numbers_by_name(row.get("constants", {}), settings, f"trials: {path.name}: constants")
     side = row.get("evidence", {})
     if not isinstance(side, dict):
@@ -162,7 +162,7 @@ def _read_trial(
     evidence = {str(k): _value_and_std(v, settings, str(k)) for k, v in side.items()}
     return Trial(
         name=str(row.get("name", path.stem)),
-        times=table[TIME_COLUMN][kept],
+        times=table[TIME_COLUMN_KEY][kept],
         observed={o.name: table[o.name][kept] for o in model.observations},
         inputs={i.name: table[i.name][kept] for i in model.inputs},
         constants={**shared, **own},

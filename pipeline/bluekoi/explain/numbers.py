@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..engine import FittedSet
-from ..fitting import between_trial_covariance
+from ..fitting import cluster_robust_covariance
 from ..integrate import CompiledSystem
 
 
@@ -41,7 +41,7 @@ def fitted_numbers(kernel: CompiledSystem, model: FittedSet) -> list[Number]:
 
 @np.errstate(all="ignore")
 def _standard_deviations(model: FittedSet, move: np.ndarray) -> np.ndarray:
-    std = np.sqrt(np.diag(between_trial_covariance(model.fit.normal, move).cov))
+    std = np.sqrt(np.diag(cluster_robust_covariance(model.fit.normal, move).cov))
     std[~move | ~np.isfinite(std) | (std <= 0)] = np.nan
     return np.asarray(std)
 

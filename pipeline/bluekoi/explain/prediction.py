@@ -19,7 +19,7 @@ from .comparison import (
     Fitted,
     condition_folds,
     fit_by_criterion,
-    refit_to_other_trials,
+    refit_to_trials,
     rms_errors,
 )
 from .model import Model
@@ -115,9 +115,7 @@ def predict_left_out(found: CauseSearchResult, *, known_s: float = DEFAULT_KNOWN
         for name, one in (("baseline", found.baseline), ("extended", found.extended)):
             again = one
             if rest.series:
-                again = fit_by_criterion(
-                    rest, refit_to_other_trials(rest, one.model), one.criterion
-                )
+                again = fit_by_criterion(rest, refit_to_trials(rest, one.model), one.criterion)
             for start, known in ((START_FITTED, np.inf), (START_ESTIMATED, known_s)):
                 every = runs.setdefault((name, start), {})
                 every |= {r.trial: r for r in _simulate_trials(found, again, own, known)}

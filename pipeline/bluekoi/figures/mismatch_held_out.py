@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..campaign import Campaign
-from .drawing.held_out import evaluated_trials, no_trial_held_out, noise_floor_m
+from .drawing.held_out import evaluated_on_fitted_trials, evaluated_trials, noise_floor_m
 from .drawing.model_paths import draw_paths, legend, models
 from .drawing.style import MEASURED_COLOUR, NOISE_FLOOR_NAME, panel_letter, placeholder
 
@@ -45,7 +45,7 @@ ERROR_LABELS = (
 
 def title_and_caption(campaign: Campaign) -> tuple[str, str]:
     """Title and caption, by whether trials were held out and causes identified."""
-    fitted = no_trial_held_out(campaign)
+    fitted = evaluated_on_fitted_trials(campaign)
     title = TITLE if campaign.has_additions else ONE_MODEL_TITLE
     text = CAPTION if campaign.has_additions else f"{HELD_OUT_SENTENCE} {ONE_MODEL_CAPTION}"
     if fitted:

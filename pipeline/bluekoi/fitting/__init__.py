@@ -1,6 +1,6 @@
 """Fits of any state-space model to its trials: prediction errors, all trials jointly."""
 
-from .between_trials import MAX_OVERDISPERSION, Z_95, between_trial_covariance
+from .between_trials import MAX_OVERDISPERSION, Z_95, cluster_robust_covariance
 from .block_average import block_averaged
 from .bootstrap import parametric_bootstrap
 from .filtering import Filtered, FilterResults, disturbance_slots, filter_all, filter_series, smooth
@@ -40,9 +40,9 @@ __all__ = [
     "TrialEffect",
     "TrialRandomEffect",
     "added_force",
-    "between_trial_covariance",
     "block_averaged",
     "cluster_covariance",
+    "cluster_robust_covariance",
     "conditional_response",
     "cov_hc2",
     "cov_jackknife",

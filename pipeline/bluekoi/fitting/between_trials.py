@@ -17,7 +17,7 @@ report warns. Trials say nothing on the overdispersion of a parameter that a sin
 on: the largest one without a warning is assumed."""
 
 
-def between_trial_covariance(normal: Normal, free: np.ndarray) -> ClusterCovariance:
+def cluster_robust_covariance(normal: Normal, free: np.ndarray) -> ClusterCovariance:
     """Covariance (p, p) and degrees of freedom (p,) from the variation between trials; free (p,):
     which parameters are off their bounds.
 

@@ -9,11 +9,11 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import propagate, run_in_threads
+from ..integrate.batch import map_ranges_in_threads, propagate
 from .gram import set_products
 from .series import Series, observations_and_weights, padded_arrays
 
-TRIAL_SHARES = (0.25, 0.5, 1.0)
+FIT_HORIZON_SHARES = (0.25, 0.5, 1.0)
 START_STATE_DIFFERENCE = 1e-4
 """Size of the differences in the starting states, in their SI units."""
 
@@ -47,7 +47,7 @@ def free_runs(
     start is led to a fine one.
     """
     starts = np.array([s.mean for s in series])
-    for share in TRIAL_SHARES:
+    for share in FIT_HORIZON_SHARES:
         part = [first_part(s, share) for s in series]
         starts = _fitted_starts(_padded_runs(kernel, part, values, open_states), starts,
                                 iterations=iterations)  # fmt: skip
@@ -101,7 +101,7 @@ class _PaddedRuns:
         """
         observed, _ = self.of(starts)
         out = np.empty((len(starts), 1 + self.count, 1 + self.count))
-        run_in_threads(
+        map_ranges_in_threads(
             lambda *ends: set_products(observed, self.seen, self.weight, ends, out), len(out)
         )
         out[:, 1:] /= START_STATE_DIFFERENCE

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import active_effects, propagate, run_in_threads
+from ..integrate.batch import active_effects, map_ranges_in_threads, propagate
 from .filtering import (
     STATE_DIFFERENCE,
     Filtered,
@@ -108,7 +108,7 @@ def log_likelihood(linear: LinearisedFilter, noise: Noise) -> float:
     """Of all trials under another noise, to first order around the path of `linear`."""
     out = np.zeros(len(linear.counts))
     given = (*_recursion_arguments(linear), *_noise_arrays(linear, noise))
-    run_in_threads(lambda first, last: log_likelihoods(*given, first, last, out), len(out))
+    map_ranges_in_threads(lambda first, last: log_likelihoods(*given, first, last, out), len(out))
     return float(out.sum())
 
 
@@ -119,7 +119,7 @@ def log_likelihood_gradient(linear: LinearisedFilter, noise: Noise) -> NoiseGrad
     by_variance, by_memory = np.zeros((2, trials, states))
     given = (*_recursion_arguments(linear), *_noise_arrays(linear, noise))
     slopes = (by_variance, by_memory, by_scales)
-    run_in_threads(
+    map_ranges_in_threads(
         lambda first, last: log_likelihood_gradients(*given, first, last, out, *slopes), trials
     )
     disturbance, tau = np.zeros((2, len(noise.disturbance)))

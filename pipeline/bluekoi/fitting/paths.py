@@ -23,7 +23,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import propagate, run_in_threads
+from ..integrate.batch import map_ranges_in_threads, propagate
 from .bounded_step import bounded_step
 from .gram import set_products
 from .joint_fit import CONVERGED, STALLED, Fit
@@ -33,7 +33,7 @@ from .predictions import slots_by_name
 from .series import Free, Series
 
 START_STATE_DIFFERENCE = 1e-4
-TRIAL_SHARES, COARSE_ITERATIONS = (0.25, 0.5, 1.0), 6
+FIT_HORIZON_SHARES, COARSE_ITERATIONS = (0.25, 0.5, 1.0), 6
 """First a quarter of each trial is fitted, then half, at most so many rounds, in longer steps of
 the integrator, then all of it: a model that would run away from a rough start is led to a fine
 one."""
@@ -71,7 +71,7 @@ NO_BLOCKS = _BlockNormal(*(np.zeros(0) for _ in range(6)))
 def fit_paths(
     kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free], *, start:
     Mapping[str, float] | None = None, open_states: int = 6, iterations: int = 40, tolerance: float
-    = 1e-3, shares: Sequence[float] = TRIAL_SHARES,
+    = 1e-3, shares: Sequence[float] = FIT_HORIZON_SHARES,
 ) -> PathFit:  # fmt: skip
     """Levenberg-Marquardt on trajectories, starting states free, bounds kept.
 
@@ -178,7 +178,7 @@ def _error_and_slope_products(
     )  # fmt: skip
     seen, weight = (np.ascontiguousarray(a[trials]) for a in (problem.seen, problem.weight))
     out = np.empty((len(state), 1 + len(size), 1 + len(size)))
-    run_in_threads(lambda *ends: set_products(observed, seen, weight, ends, out), len(state))
+    map_ranges_in_threads(lambda *ends: set_products(observed, seen, weight, ends, out), len(state))
     return out
 
 

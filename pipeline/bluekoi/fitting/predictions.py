@@ -12,7 +12,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import propagate, run_in_threads
+from ..integrate.batch import map_ranges_in_threads, propagate
 from .filtering import MAX_FILTER_STEP_S, FilterResults, with_noise
 from .gram import set_whitened_products
 from .series import Free, Noise
@@ -84,7 +84,7 @@ def whitened_products(
     counts = np.array([1 + len(ks) for ks in own])
     out = np.zeros((len(passes), len(steps), len(steps)))
     given = (observed, passes.seen, passes.roots, passes.frames, first, places, counts)
-    run_in_threads(lambda *ends: set_whitened_products(*given, ends, out), len(passes))
+    map_ranges_in_threads(lambda *ends: set_whitened_products(*given, ends, out), len(passes))
     return out / (steps[:, None] * steps)
 
 

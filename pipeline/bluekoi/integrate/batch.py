@@ -72,7 +72,7 @@ def propagate(
                 observed.reshape(-1), states.reshape(-1), begin, end,
             )  # fmt: skip
 
-    run_in_threads(run, blocks)
+    map_ranges_in_threads(run, blocks)
     return observed, states
 
 
@@ -81,7 +81,7 @@ def in_lanes(rows: Float) -> Float:
     return np.repeat(rows[..., None], LANES, axis=-1)
 
 
-def run_in_threads(run: Callable[[int, int], Any], count: int) -> None:
+def map_ranges_in_threads(run: Callable[[int, int], Any], count: int) -> None:
     """Call `run(first, last)` over 0..count in as many threads as there are cores to use."""
     workers = min(thread_count(), max(1, count // 4))
     edges = [count * part // workers for part in range(workers + 1)]

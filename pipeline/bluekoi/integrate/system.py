@@ -249,7 +249,7 @@ def effect_from_module(module: ModuleType, stages: tuple[Stage, ...]) -> Effect:
         evidence=dict(getattr(module, "EVIDENCE", {})),
         confused_with=tuple(getattr(module, "CONFUSED_WITH", ())),
         regime=getattr(module, "REGIME", ""),
-        strengths=getattr(module, "STRENGTHS", 1),
+        strengths=getattr(module, "STRENGTH_COUNT", 1),
         starts=tuple(getattr(module, "STARTS", ())),
         forms=dict(getattr(module, "FORMS", {})),
     )

@@ -21,7 +21,7 @@ CHANNELS = ("sway", "yaw")
 STATEMENT = "The camera was moved: from some time on, all positions are displaced."
 REGIME = "from one trial or time on"
 CONFUSED_WITH = ("keypoint_bias", "uniform_current")
-STRENGTHS = 2
+STRENGTH_COUNT = 2
 PARAMETERS = (
     Parameter(
         "dx", "m", 0.005, -0.3, 0.3, "displacement in x in the trial that determines it best"

@@ -23,7 +23,7 @@ CHANNELS = ("sway", "yaw")
 STATEMENT = "A keypoint is always marked away from its true position on the robot."
 REGIME = "all frames, fixed to the robot"
 CONFUSED_WITH = ("centre_of_mass_shift", "trim_moment", "head_angle_offset", "camera_shift")
-STRENGTHS = 4
+STRENGTH_COUNT = 4
 PARAMETERS = (
     Parameter("left_offset", "m", 0.003, -0.1, 0.1, "displacement to the left of the core",
               symbol="by"),

@@ -29,7 +29,7 @@ STATEMENT = (
     "The lens correction is wrong: towards the edges of the picture, positions are displaced "
     "outwards or inwards."
 )
-STRENGTHS = 3
+STRENGTH_COUNT = 3
 REGIME = "towards the edges of the pool"
 CONFUSED_WITH = ("uncorrected_refraction", "scale_error")
 PARAMETERS = (

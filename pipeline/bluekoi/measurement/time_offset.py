@@ -23,7 +23,7 @@ REGIME = (
     "the start of every trial; the phase of the tail beat in the video compared with the motor log"
 )
 EVIDENCE = {"delay": {"log_lead": 1.0}}
-STRENGTHS = 2
+STRENGTH_COUNT = 2
 CONFUSED_WITH = ("motor_spin_up", "servo_lag")
 PARAMETERS = (
     Parameter("start_delay", "s", 0.3, 0.0, 2.0,

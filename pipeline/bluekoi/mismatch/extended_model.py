@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..engine import FittedSet, Problem, ScoredSet, off_bounds_mask, without_discrepancy
-from ..fitting import Z_95, Series, between_trial_covariance
+from ..fitting import Z_95, Series, cluster_robust_covariance
 from ..tuning import JointFit
 
 Models = tuple[FittedSet, JointFit]
@@ -40,5 +40,5 @@ def estimates(model: JointFit) -> Estimates:
 
 def with_between_trial_covariance(baseline: JointFit, model: FittedSet) -> JointFit:
     """A fitted set with covariances from the variation between trials."""
-    spread = between_trial_covariance(model.fit.normal, off_bounds_mask(model))
+    spread = cluster_robust_covariance(model.fit.normal, off_bounds_mask(model))
     return JointFit(model.fit, model.noise, spread.cov, baseline.base, spread.df, None)

@@ -52,7 +52,7 @@ class EqualCountBins:
         return np.array([values[self.index == k].mean() for k in range(len(self.x))])
 
 
-def cause_laws(
+def cause_force_curves(
     kernel: CompiledSystem,
     series: Sequence[Series],
     forces: Sequence[MissingForce],

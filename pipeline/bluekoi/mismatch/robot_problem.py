@@ -36,7 +36,7 @@ LABEL_OFFSET_STDS = {
 UNKNOWN_DEPTH_STD_SHARE = 0.02
 """Error of positions, as a share, where the keypoints' depth is not known: those d below the plane
 are seen too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
-HOMOGRAPHY_SCALE_STD = {"scale_error.length_error": UNKNOWN_DEPTH_STD_SHARE}
+HOMOGRAPHY_TOLERANCES = {"scale_error.length_error": UNKNOWN_DEPTH_STD_SHARE}
 """A homography from the pool's corners puts keypoints on the water's plane."""
 CAUSE_KINDS = ("physics", "measurement", "residual")
 
@@ -75,7 +75,7 @@ def robot_problem(
         coefficients=baseline.fit.free,
         candidates=with_steady_clock(candidates, series),
         noise=replace(baseline.noise, trial_effects=_trial_effects(baseline)),
-        tolerances=LABEL_OFFSET_STDS | (HOMOGRAPHY_SCALE_STD if by_homography else {}),
+        tolerances=LABEL_OFFSET_STDS | (HOMOGRAPHY_TOLERANCES if by_homography else {}),
         state_variables=STATE_VARIABLES,
         progress=progress,
     )

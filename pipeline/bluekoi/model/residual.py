@@ -79,7 +79,7 @@ PARAMETERS = tuple(
     Parameter(name, unit, 0.01, -50.0, 50.0, f"residual force that depends on the {variable}")
     for name, (unit, variable) in TERMS.items()
 )
-STRENGTHS = len(PARAMETERS)
+STRENGTH_COUNT = len(PARAMETERS)
 
 
 def channels_and_variables() -> dict[str, frozenset[tuple[str, str]]]:

@@ -12,7 +12,7 @@ from ..data import Flapping
 
 CLOCK_AGREEMENT_SIGMAS = 3.0
 """Standard errors within which the tail's frequency agrees with the motor's."""
-SAME_CLOCK_TOLERANCE = 0.25
+MAX_CLOCK_ERROR_SHARE = 0.25
 """Ratios that differ by less than this share are errors of one clock, not another frame rate."""
 CLOCK_RATIO_TOLERANCE = 0.02
 """Trials agree on a ratio where theirs differ by less than this share."""
@@ -31,7 +31,7 @@ def flapping_compared_with_video(flapping: Flapping, ratio: float, std: float) -
     """
     if not (math.isfinite(ratio) and math.isfinite(std)):
         return flapping
-    near = abs(ratio - 1) < SAME_CLOCK_TOLERANCE
+    near = abs(ratio - 1) < MAX_CLOCK_ERROR_SHARE
     agrees = abs(ratio - 1) <= CLOCK_AGREEMENT_SIGMAS * std
     own = math.sqrt(max(std**2 - (ratio * flapping.flap_hz_std / flapping.flap_hz) ** 2, 0.0))
     return replace(
@@ -74,4 +74,4 @@ def deviates_from_common_clock(flapping: Flapping, common: tuple[float, float] |
     """
     if not math.isfinite(flapping.ratio):
         return not flapping.agrees
-    return abs(flapping.ratio / (common[0] if common else 1.0) - 1) > SAME_CLOCK_TOLERANCE
+    return abs(flapping.ratio / (common[0] if common else 1.0) - 1) > MAX_CLOCK_ERROR_SHARE

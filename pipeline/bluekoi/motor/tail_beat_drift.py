@@ -16,7 +16,7 @@ import numpy as np
 
 from ..data import Float, Positions
 from ..data.keypoint_quality import correlation_time_samples
-from .beat_regression import beat_signal, misfit_spectrum, robust_weights, slow_background
+from .beat_regression import beat_signal, robust_weights, slow_background
 from .spin_up import spin_up_end_s
 
 MAX_DRIFT_PER_S = 0.05
@@ -27,6 +27,10 @@ DRIFT_PHASE_STEP_RAD = 0.8
 what turns the wave around."""
 NEAR_SHARE = 0.1
 """The frequency in the middle is within this share of that of the whole trial."""
+MAX_DRIFT_BEATS = 300
+"""Beats after the spin-up of which the drift is measured, to limit the computing time."""
+COARSE_FRAMES_PER_BEAT = 16
+"""Frames of a beat used to find the neighbourhood of its frequency and drift."""
 MIN_DRIFT_FRAMES = 40
 """Frames after the spin-up without which no drift is looked for."""
 REGRESSION_ROUNDS = 8
@@ -46,8 +50,10 @@ def tail_beat_drift(positions: Positions, beat_hz: float) -> tuple[float, float]
     time_s, signal = beat_signal(positions)
     if len(time_s) < MIN_DRIFT_FRAMES or not beat_hz > 0:
         return NO_DRIFT
-    late = time_s > spin_up_end_s(float(time_s[0]), float(time_s[-1]))
-    t, signal = time_s[late] - 0.5 * (time_s[late][0] + time_s[-1]), signal[late]
+    begin = spin_up_end_s(float(time_s[0]), float(time_s[-1]))
+    used = (time_s > begin) & (time_s < begin + MAX_DRIFT_BEATS / beat_hz)
+    t, signal = time_s[used], signal[used]
+    t = t - 0.5 * (t[0] + t[-1]) if len(t) else t
     if len(t) < MIN_DRIFT_FRAMES or beat_hz * float(np.median(np.diff(t))) > 0.5:
         return NO_DRIFT
     background = slow_background(t, beat_hz)
@@ -58,19 +64,26 @@ def tail_beat_drift(positions: Positions, beat_hz: float) -> tuple[float, float]
 def _coarse_optimum(
     t: Float, signal: Float, background: Float, beat_hz: float
 ) -> tuple[tuple[float, float], int]:
-    """Frequency (Hz) and drift (1/s) of the least misfit on a grid, and the grid's size."""
+    """Frequency (Hz) and drift (1/s) of the largest power on a grid, and the grid's size.
+
+    Of a signal s without its background, the power of a beat of frequency f at t = 0 that changes
+    by c = f d (Hz/s) is |sum_t s exp(-2 pi i (f t + c t^2 / 2))|^2: one matrix product for all f
+    and c. A frequency that changes by more than half up to the ends of the trial is not looked for.
+    `COARSE_FRAMES_PER_BEAT` frames a beat are used.
+    """
+    thin = max(1, int(1.0 / (COARSE_FRAMES_PER_BEAT * beat_hz * float(np.median(np.diff(t))))))
+    t, signal, background = t[::thin], signal[::thin], background[::thin]
     span = float(np.ptp(t))
     step = DRIFT_PHASE_STEP_RAD / (np.pi * beat_hz * (0.5 * span) ** 2)
-    count = int(MAX_DRIFT_PER_S / step)
+    count = int(min(MAX_DRIFT_PER_S, 1.0 / span) / step)
     drifts = step * np.arange(-count, count + 1)
     hz = np.arange((1 - NEAR_SHARE) * beat_hz, (1 + NEAR_SHARE) * beat_hz, 0.2 / span)
-    weights = np.ones_like(signal)
-    best = (np.inf, beat_hz, 0.0)
-    for drift in drifts:
-        misfit = misfit_spectrum(hz, t + 0.5 * drift * t**2, signal, background, weights)
-        place = int(np.argmin(misfit))
-        best = min(best, (float(misfit[place]), float(hz[place]), float(drift)))
-    return best[1:], len(hz) * len(drifts)
+    beating = signal - background @ np.linalg.lstsq(background, signal, rcond=None)[0]
+    steady = np.exp(-2j * np.pi * np.outer(hz, t))
+    changing = np.exp(-1j * np.pi * beat_hz * np.outer(t**2, drifts))
+    power = np.abs(steady @ (beating[:, None] * changing))
+    k, j = np.unravel_index(int(np.argmax(power)), power.shape)
+    return (float(hz[k]), float(drifts[j] * beat_hz / hz[k])), power.size
 
 
 def _regression(

@@ -21,7 +21,7 @@ LENGTH_TOLERANCE = 0.02
 """Relative error of a rigid length above which the pose carries a remark."""
 LONG_GAP_S = 1.0
 """Gap in the keypoints above which the track carries a remark."""
-AVERAGED_FRAMES = 9
+UNWRAP_WINDOW_FRAMES = 9
 """Frames in the moving average of the direction; fewer where they span half a turn."""
 GAP_STEPS, MIN_STRETCH_SHARE = 1.5, 0.5
 """A step of so many median ones is a gap; a stretch beside it must be this part as long."""
@@ -90,7 +90,7 @@ def unwrapped(angle: Float, variance: Float, time_s: Float | None = None) -> Flo
     unknown = variance[known] > max(MAX_DIRECTION_STD_RAD**2, float(np.nanmedian(variance[known])))
     well = known[~(_in_short_runs(poor) | _in_short_runs(unknown, len(unknown)))]
     step = np.median(np.abs(np.diff(np.unwrap(angle[well])))) if len(well) > 1 else 0.0
-    window = int(np.clip(np.pi / max(step, 1e-9), 1, min(AVERAGED_FRAMES, len(well))))
+    window = int(np.clip(np.pi / max(step, 1e-9), 1, min(UNWRAP_WINDOW_FRAMES, len(well))))
     mean = np.convolve(np.exp(1j * angle[well]), np.ones(window), mode="same")
     near = np.interp(times, times[well], _unwrapped_mean(np.angle(mean), times[well]))
     return angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi))
@@ -121,7 +121,7 @@ def _half_turn_at_most(angle: Float) -> Float:
     return -((np.pi - angle) % (2 * np.pi) - np.pi)
 
 
-def _in_short_runs(marked: np.ndarray, max_length: int = AVERAGED_FRAMES) -> np.ndarray:
+def _in_short_runs(marked: np.ndarray, max_length: int = UNWRAP_WINDOW_FRAMES) -> np.ndarray:
     """Which marked frames (n,) stand in runs of `max_length` at most, between good frames: nothing
     else shows how far the heading has turned over a longer run or before the first good frame.
     """

@@ -58,12 +58,12 @@ def preview_as_json(study: Study, trial_id: str) -> dict[str, Any]:
     found = preview_trial(study, trial_id)
     return to_json_types({
         "trial_id": trial_id, "time_s": found.time_s, "names": found.names,
-        "xy_px": rounded_points(found.xy_px), "likelihood": np.round(found.likelihood, 2),
+        "xy_px": points_as_json(found.xy_px), "likelihood": np.round(found.likelihood, 2),
         "remarks": found.remarks, "found": found.found, "frames": len(found.time_s),
         "size_px": found.size_px, "consecutive": found.consecutive,
     })  # fmt: skip
 
 
-def rounded_points(points: Float) -> list[Any]:
+def points_as_json(points: Float) -> list[Any]:
     """Points as lists, a hundredth of a pixel; NaN as None."""
     return to_json_types(np.round(points, 2))

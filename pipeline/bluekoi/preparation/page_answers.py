@@ -24,7 +24,7 @@ from ..study.key_reference import keys
 from ..study.validation_messages import findings_from_validation_error
 from .draft import Draft, read_draft
 from .draft_check import draft_findings
-from .frame_images import Luma, frame_at_share, rounded_points
+from .frame_images import Luma, frame_at_share, points_as_json
 from .prefill import study_files, trial_rows
 from .robot_outline import robot_outline
 
@@ -93,14 +93,14 @@ def corners_on_frame(values: Mapping[str, str], grey: Luma) -> dict[str, Any]:
     found = compare_corners(grey, _camera_setup(values))
     check = found.check
     return to_json_types({
-        "edges_px": [rounded_points(points[::2]) for points in edge_points_px(found.fit)],
-        "grid_px": [rounded_points(line[::9])
+        "edges_px": [points_as_json(points[::2]) for points in edge_points_px(found.fit)],
+        "grid_px": [points_as_json(line[::9])
                     for line in (grid_px(found.camera) if found.camera else [])],
-        "fitted_px": rounded_points(found.fit.corners_px),
-        "suggested_px": rounded_points(check.suggested_px),
-        "inner_rim_px": rounded_points(found.fit.inner_rim_px),
-        "std_px": rounded_points(check.std_px),
-        "off_px": rounded_points(check.off_px),
+        "fitted_px": points_as_json(found.fit.corners_px),
+        "suggested_px": points_as_json(check.suggested_px),
+        "inner_rim_px": points_as_json(found.fit.inner_rim_px),
+        "std_px": points_as_json(check.std_px),
+        "off_px": points_as_json(check.off_px),
         "doubts": found.fit.doubts,
         "sentences": check.sentences,
         "confirmed": check.confirmed,
@@ -124,7 +124,7 @@ def outline_on_frame(values: Mapping[str, str], place: Mapping[str, float]) -> d
         refractive_index=_validated_section("water", values).refractive_index,
     )  # fmt: skip
     return to_json_types(
-        {name: rounded_points(np.array(value)) for name, value in asdict(found).items()}
+        {name: points_as_json(np.array(value)) for name, value in asdict(found).items()}
     )
 
 

@@ -14,7 +14,7 @@ from ..study import Camera, Pool, Robot
 
 
 @dataclass(frozen=True)
-class RobotOutline:
+class ProjectedSkeleton:
     """Pixels of the robot's parts as a camera sees them.
 
     head: (2, 2) nose and hinge. core: (2, 2) hinge and caudal base. tail: (2, 2) caudal base and
@@ -31,7 +31,7 @@ def robot_outline(
     camera: Camera, pool: Pool, robot: Robot, *, com_px: tuple[float, float], toward_px:
     tuple[float, float], head_angle_rad: float, head_length_m: float | None = None,
     refractive_index: float = 1.333,
-) -> RobotOutline:  # fmt: skip
+) -> ProjectedSkeleton:  # fmt: skip
     """The robot with its centre of mass at a pixel, its core pointing toward another pixel.
 
     The direction of the head is heading minus head angle. head_length_m: of this trial's head, by
@@ -48,4 +48,4 @@ def robot_outline(
     core = np.array([math.cos(heading_rad), math.sin(heading_rad)])
     points = np.array([nose, hinge, base, base - robot.tail_length_m * core, com])
     px = pool_to_pixels(over, np.column_stack([points, np.full(len(points), -depth)]))
-    return RobotOutline(px[[0, 1]], px[[1, 2]], px[[2, 3]], px[4])
+    return ProjectedSkeleton(px[[0, 1]], px[[1, 2]], px[[2, 3]], px[4])

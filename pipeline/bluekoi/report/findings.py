@@ -10,7 +10,7 @@ from typing import Any
 from ..camera.length_warnings import length_warnings
 from ..camera.plane_camera import NO_MATRIX_REMARK
 from ..campaign import Campaign
-from ..figures.drawing.held_out import no_trial_held_out
+from ..figures.drawing.held_out import evaluated_on_fitted_trials
 from ..figures.drawing.missing_force import FORCE_NAMES, VARIABLE_LABELS
 from ..motor.power_consistency import power_warnings
 from ..motor.swimming_plausibility import study_warnings
@@ -143,7 +143,7 @@ def key_figures(campaign: Campaign) -> list[tuple[str, str]]:
         out.append((f"{tightest.radius_m:.3f} m", f"smallest steady turn radius, {lengths}"))
     errors = [1000 * campaign.held_out_error(k, "path_rmse_m") for k in campaign.held_out_models]
     if all(math.isfinite(value) for value in errors):
-        which = "the fitted trials" if no_trial_held_out(campaign) else "held-out trials"
+        which = "the fitted trials" if evaluated_on_fitted_trials(campaign) else "held-out trials"
         models = ": baseline → with identified causes" if campaign.has_additions else ""
         text = " → ".join(f"{value:.1f}" for value in errors)
         out.append((f"{text} mm", f"rms path error on {which}{models}"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ..campaign import Campaign
-from ..figures.drawing.held_out import evaluated_trials, no_trial_held_out, noise_floor_m
+from ..figures.drawing.held_out import evaluated_on_fitted_trials, evaluated_trials, noise_floor_m
 from ..figures.drawing.style import BASELINE_NAME, EXTENDED_NAME
 from .findings import Row
 from .numbers import format_number
@@ -55,7 +55,7 @@ def table_text(campaign: Campaign) -> dict[str, str]:
         "stretch": f" over segments of {float(stretch):.1f} s" if stretch else "",
         "baseline": CRITERION_SENTENCES.get(str(found.get("baseline_fitted_to")), ""),
     }
-    if no_trial_held_out(campaign):
+    if evaluated_on_fitted_trials(campaign):
         return common | {
             "heading": "Errors on the fitted trials",
             "sentence": f"No trial was held out because the study is too small: {names} were also "

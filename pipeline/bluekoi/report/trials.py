@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign import Campaign
 from ..data import Float
-from ..figures.drawing.held_out import evaluated_trials, no_trial_held_out
+from ..figures.drawing.held_out import evaluated_on_fitted_trials, evaluated_trials
 from ..study import Trial
 from .explorer import packed_series
 from .media import Clip
@@ -56,7 +56,7 @@ class TrialCard:
 
 def trial_cards(campaign: Campaign, clips: Mapping[str, Clip]) -> list[TrialCard]:
     """A card for every trial of the study, analysed or not."""
-    held_out = set() if no_trial_held_out(campaign) else set(evaluated_trials(campaign))
+    held_out = set() if evaluated_on_fitted_trials(campaign) else set(evaluated_trials(campaign))
     return [
         _trial_card(campaign, trial, clips.get(trial.trial_id), trial.trial_id in held_out)
         for trial in campaign.study.trials

@@ -17,7 +17,7 @@ RELATIVE_ACCELERATION_DENSITY = 0.3
 """Density of the rough filter's white acceleration, in usual speeds squared per unit of time."""
 NO_DECAY_S = 1e9
 """Decay time, s, of the acceleration, which the rough filter does not have."""
-MIN_POSITION_STD_FRAMES = 0.05
+MIN_POSITION_STD_SHARE = 0.05
 """Least noise of the rough filter's positions, in usual speeds times the unit of time."""
 
 
@@ -28,7 +28,7 @@ def rough_speed(xy: Float, cov: Float, grid: Grid) -> Float:
     noise = np.array([NO_DECAY_S, RELATIVE_ACCELERATION_DENSITY * data.speed**2 / T, 0.0, 0.0, 1.0])
     F, Q = planar_matrices(noise, grid.dt_s, 0.0, steady_motion(n), np.zeros(n))
     F, Q = np.ascontiguousarray(F[:, :4, :4]), np.ascontiguousarray(Q[:, :4, :4])
-    R = max(data.variance, (MIN_POSITION_STD_FRAMES * data.speed * T) ** 2) * np.eye(2)
+    R = max(data.variance, (MIN_POSITION_STD_SHARE * data.speed * T) ** 2) * np.eye(2)
     P0 = np.diag(np.repeat([np.ptp(data.z) ** 2 + R[0, 0], 9 * data.speed**2], 2))
     x0 = np.concatenate([data.z[data.plausible][0], np.zeros(2)])
     H, noise_cov = np.tile(np.eye(2, 4), (n, 1, 1)), np.tile(R, (n, 1, 1))

@@ -31,7 +31,7 @@ MAX_RELATIVE_DENSITIES = 0.3, 7.0
 """Largest density of the rate, in speed^2 / T, and of the acceleration, in (speed / T)^2 / T."""
 MAX_LOG_NOISE_RATIO_COLOURED = -0.4
 """Below this log of white over stated noise, part of the error may be coloured."""
-MIN_LOG_LIK_GAIN_COLOURED = 10.0
+MIN_LIKELIHOOD_RATIO_COLOURED = 10.0
 """Gain in twice the log likelihood that coloured noise must bring."""
 CORRELATION_TIME_UNIT_FRAMES, PRIOR_LOG_COLOURED_STDS = 3.0, (2.0, 1.0)
 """Unit of the correlation time, in frames; prior deviations of log variance and log time."""
@@ -193,7 +193,7 @@ def _with_coloured_noise_if_better(
         spread=np.concatenate([spread[:-1], PRIOR_LOG_COLOURED_STDS, spread[-1:]]),
         starts=[np.concatenate([s[:-1], [0.0, 0.0, -1.0]]) for s in (quiet, found.logs)],
     )
-    if other.cost > found.cost - MIN_LOG_LIK_GAIN_COLOURED:
+    if other.cost > found.cost - MIN_LIKELIHOOD_RATIO_COLOURED:
         return found
     ratio = other.noise_ratio + float(np.exp(other.logs[-3]))
     return replace(other, noise_ratio=ratio, coloured=True)

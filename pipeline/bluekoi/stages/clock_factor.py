@@ -23,7 +23,7 @@ from ..data import Flapping, Pose, Steady, Track
 from ..measurement import clock_error
 from ..mismatch.wrong_clock import CLOCK_CAUSE
 from ..motor import common_clock_ratio, flapping_compared_with_video
-from ..motor.clock_comparison import SAME_CLOCK_TOLERANCE
+from ..motor.clock_comparison import MAX_CLOCK_ERROR_SHARE
 from ..study import Study
 
 CLOCK_STD_SHARE = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
@@ -54,7 +54,7 @@ def clock_factors(study: Study, flapping: Mapping[str, Flapping]) -> dict[str, C
         groups.setdefault(study.trial(name).fps, []).append(name)
     every = _common_factor(flapping, list(flapping))
     found = {fps: _common_factor(flapping, names) or every for fps, names in groups.items()}
-    wrong = {fps: f for fps, f in found.items() if f and abs(f.value - 1) > SAME_CLOCK_TOLERANCE}
+    wrong = {fps: f for fps, f in found.items() if f and abs(f.value - 1) > MAX_CLOCK_ERROR_SHARE}
     return {name: factor for fps, factor in wrong.items() for name in groups[fps]}
 
 

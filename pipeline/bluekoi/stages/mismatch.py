@@ -20,7 +20,7 @@ from ..fitting import Series, free_runs
 from ..integrate import compiled
 from ..mismatch import find_mismatch
 from ..mismatch.camera_displacement import with_displacements
-from ..mismatch.laws import cause_laws, partial_residuals
+from ..mismatch.laws import cause_force_curves, partial_residuals
 from ..mismatch.results_json import details_json, mismatch_json
 from ..mismatch.rigid_lengths import length_measurement
 from ..mismatch.wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock
@@ -75,7 +75,7 @@ def mismatch(study: Path, results: Path) -> None:
         detail["forces"][name]["time_s"] = detail["forces"][name]["time_s"] / factors[name].value
     trials = {trial.trial_id: trial for trial in loaded.trials}
     along = (kernel, downsampled(series), found.forces, found.extended, trials)
-    laws = cause_laws(*along)
+    laws = cause_force_curves(*along)
     detail["partial_residuals"] = partial_residuals(*along, laws=laws, noise=found.baseline.noise)
     write_json(results / "mismatch_detail.json", detail)
     content = mismatch_json(found, loaded, series)

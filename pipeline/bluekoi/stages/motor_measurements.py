@@ -12,7 +12,9 @@ from ..fitting import Series
 from .clock_measurement import variance_components
 
 LOST_TIME_STD_S = 0.005  # ASSUME a motor counts as starting at once that loses a reading's time
-DRIFT_STD_PER_S = 0.0003  # ASSUME a supply counts as steady that loses 0.2 % of speed in 6 s
+NEGLIGIBLE_DRIFT_STD_PER_S = (
+    0.0003  # ASSUME a supply counts as steady that loses 0.2 % of speed in 6 s
+)
 MOTOR_FORMULA_STD_SHARE = 0.2  # ASSUME a motor follows the formula of its spin-up or sag to 20 %
 
 
@@ -51,7 +53,7 @@ def with_frequency_drift(
     drift = np.array([f.drift_per_s for f in found.values()])
     own = np.nan_to_num([f.drift_std_per_s for f in found.values()])
     within, _ = variance_components(drift, own**2, [s.group for s in series if s.name in found])
-    formula = DRIFT_STD_PER_S**2 + (MOTOR_FORMULA_STD_SHARE * drift) ** 2
+    formula = NEGLIGIBLE_DRIFT_STD_PER_S**2 + (MOTOR_FORMULA_STD_SHARE * drift) ** 2
     std = np.sqrt(own**2 + within + max(fitted, 1) * formula)
     name = {n: "frequency_drift" if f.source == "motor_log" else "tail_beat_drift"
             for n, f in found.items()}  # fmt: skip

@@ -13,7 +13,7 @@ from bluekoi.synthetic.laws import Robot
 KEYPOINTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
 
 HALF_WIDTH_M = 0.034
-PEDUNCLE_LENGTH_SHARE = 0.4
+PEDUNCLE_SHARE_OF_TAIL = 0.4
 PEDUNCLE_SWING_RAD = 0.38
 FIN_SWING_RAD = 0.60
 FIN_LAG_RAD = 0.7
@@ -64,8 +64,8 @@ def keypoints(robot: Robot, head_length_m: float, pose: np.ndarray) -> np.ndarra
     tip = hinge + head_length_m * head
     base = com - tail_base_arm(robot) * core
     first, second = tail_angles(pose[:, 4])
-    root = PEDUNCLE_LENGTH_SHARE * robot.tail_length_m * np.exp(1j * first)
-    blade = (1 - PEDUNCLE_LENGTH_SHARE) * robot.tail_length_m * np.exp(1j * second)
+    root = PEDUNCLE_SHARE_OF_TAIL * robot.tail_length_m * np.exp(1j * first)
+    blade = (1 - PEDUNCLE_SHARE_OF_TAIL) * robot.tail_length_m * np.exp(1j * second)
     return np.stack([tip, hinge, com, base, base - core * (root + blade)], axis=1)
 
 
@@ -99,8 +99,8 @@ def circle_outline(radius_m: float, count: int = 20) -> np.ndarray:
 
 def _tail_shapes_to_draw(robot: Robot, base: complex, core: complex, beat: float) -> list[Part]:
     first, second = (complex(np.exp(1j * a)) for a in tail_angles(np.array(beat)))
-    root_m = PEDUNCLE_LENGTH_SHARE * robot.tail_length_m
-    blade_m = (1 - PEDUNCLE_LENGTH_SHARE) * robot.tail_length_m
+    root_m = PEDUNCLE_SHARE_OF_TAIL * robot.tail_length_m
+    blade_m = (1 - PEDUNCLE_SHARE_OF_TAIL) * robot.tail_length_m
     s = np.linspace(0, 1, 9)
     root = _mirrored_outline(-s * root_m, 0.0075 - 0.0025 * s)
     blade = _mirrored_outline(-s * blade_m, 0.0012 + 0.0048 * (1 - s) ** 0.8 * (0.55 + s))

@@ -75,7 +75,7 @@ def floor_texture(rng: np.random.Generator, pool_m: tuple[float, float]) -> np.n
     return 1.0 + shade + speckle - 0.17 * cv2.GaussianBlur(joint.astype(np.float32), (0, 0), 1.2)
 
 
-def ground_texture(rng: np.random.Generator, pool_m: tuple[float, float]) -> np.ndarray:
+def surroundings_texture(rng: np.random.Generator, pool_m: tuple[float, float]) -> np.ndarray:
     """Reflectance of what surrounds the pool, `(y, x)` at 4 mm, from `-SURROUNDINGS_WIDTH_M` on."""
     shape = (
         round((pool_m[1] + 2 * SURROUNDINGS_WIDTH_M) * 250),
@@ -130,7 +130,7 @@ def _still_picture(
         return np.clip(distance / pixel_m + 0.5, 0, 1).astype(np.float32)
 
     ground = _apply_tint(
-        _sample_texture(ground_texture(rng, pool_m), surface, 250, -SURROUNDINGS_WIDTH_M),
+        _sample_texture(surroundings_texture(rng, pool_m), surface, 250, -SURROUNDINGS_WIDTH_M),
         (106, 102, 97),
     )
     tiles = _apply_tint(_sample_texture(floor_texture(rng, pool_m), floor, 1000, 0.0), FLOOR_RGB)

@@ -16,7 +16,7 @@ from ..model import plates
 LOWER, UPPER = "lower", "upper"
 
 
-def parameter_of(free: Free) -> Parameter:
+def parameter_definition(free: Free) -> Parameter:
     """The model's parameter that a fitted number is of."""
     return plates().parameters[plates().slot[free.name]]
 
@@ -24,7 +24,7 @@ def parameter_of(free: Free) -> Parameter:
 def bound_sides(found: Fit) -> list[str]:
     """For each fitted number `lower`, `upper`, or nothing where it is off its bounds."""
     return [
-        _bound_side_of_value(parameter_of(f), v)
+        _bound_side_of_value(parameter_definition(f), v)
         for f, v in zip(found.free, found.values, strict=True)
     ]
 
@@ -35,7 +35,7 @@ def _bound_side_of_value(parameter: Parameter, value: float) -> str:
     return UPPER if value >= parameter.upper else ""
 
 
-def one_sided(found: Fit) -> dict[int, Float]:
+def intervals_at_bounds(found: Fit) -> dict[int, Float]:
     """Number -> its 95 % interval (2,), for those at a bound, the bound at one end.
 
     The other end is the bound on the other side where the trials say nothing; NaN at both ends
@@ -48,7 +48,7 @@ def one_sided(found: Fit) -> dict[int, Float]:
     middle, half = found.values + change, spread.half_widths()
     return {
         i: _clip_interval_to_bounds(
-            parameter_of(found.free[i]), side, np.array([-half[i], half[i]]) + middle[i]
+            parameter_definition(found.free[i]), side, np.array([-half[i], half[i]]) + middle[i]
         )
         for i, side in held.items()
     }

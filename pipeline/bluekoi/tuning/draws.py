@@ -7,7 +7,7 @@ from scipy.special import stdtr, stdtrit
 
 from ..data import Float
 from ..fitting import Fit, conditional_response, newton_step_off_bounds, student_t_draws
-from .bounds import one_sided, parameter_of
+from .bounds import intervals_at_bounds, parameter_definition
 from .joint_fit import JointFit
 
 
@@ -20,7 +20,7 @@ def sample_parameters(tuned: JointFit, count: int, rng: np.random.Generator) -> 
     """
     found = tuned.fit
     out = student_t_draws(found, tuned.covariance, count, rng)
-    at_bound = one_sided(found)
+    at_bound = intervals_at_bounds(found)
     out[:, list(at_bound)] = found.values[list(at_bound)]
     held = [i for i, ends in at_bound.items() if np.isfinite(ends).all()]
     if held:
@@ -32,7 +32,7 @@ def sample_parameters(tuned: JointFit, count: int, rng: np.random.Generator) -> 
 
 def clip_to_bounds(found: Fit, rows: Float) -> Float:
     """Rows (count, p) clipped to the bounds of what is plausible."""
-    parameters = [parameter_of(f) for f in found.free]
+    parameters = [parameter_definition(f) for f in found.free]
     return np.clip(rows, [p.lower for p in parameters], [p.upper for p in parameters])
 
 
@@ -43,7 +43,7 @@ def _sample_one_sided(found: Fit, held: list[int], u: Float) -> Float:
     change, spread = newton_step_off_bounds(found.normal)
     out = np.empty_like(u)
     for k, i in enumerate(held):
-        low, high = one_sided(found)[i]
+        low, high = intervals_at_bounds(found)[i]
         if spread.df[i] <= 0:
             out[:, k] = low + u[:, k] * (high - low)
             continue
@@ -58,7 +58,7 @@ def _sample_one_sided(found: Fit, held: list[int], u: Float) -> Float:
 def response_to_bounded(found: Fit, held: list[int]) -> Float:
     """Response (p, held) of each number off its bounds to a change of those at a bound."""
     H = found.normal.hessian.sum(axis=0)
-    bound = set(one_sided(found))
+    bound = set(intervals_at_bounds(found))
     own = [i for i in range(len(H)) if i not in bound]
     out = np.zeros((len(H), len(held)))
     if own:

@@ -31,7 +31,7 @@ from ..fitting.sandwich import MIN_NAIVE_VARIANCE_SHARE
 from ..integrate import CompiledSystem, compiled
 from ..integrate.system import Parameter
 from ..model import COEFFICIENTS, plates
-from .bounds import LOWER, UPPER, bound_sides, one_sided, parameter_of
+from .bounds import LOWER, UPPER, bound_sides, intervals_at_bounds, parameter_definition
 
 HEAD_ANGLE_COLUMN = 3
 """Column of the head angle among the observations."""
@@ -84,11 +84,11 @@ class JointFit:
     @property
     def interval_95(self) -> Float:
         """Bounds (p, 2) that hold the truth in 95 of 100 studies; infinite where the trials do not
-        determine them; of numbers at a bound as in `one_sided`.
+        determine them; of numbers at a bound as in `intervals_at_bounds`.
         """
         half = self.covariance.half_widths(0.95)
         out = self.fit.values[:, None] + half[:, None] * np.array([-1.0, 1.0])
-        for i, ends in one_sided(self.fit).items():
+        for i, ends in intervals_at_bounds(self.fit).items():
             out[i] = ends
         return out
 
@@ -118,7 +118,7 @@ def fit_all_trials(
         points = [trial_values(kernel, base, free, found.values, s.group) for s in series]
         noise = fit_noise(kernel, series, points, START_NOISE, rounds=5).noise
         found = fit(kernel, series, base, free, noise, start=found.by_label())
-    own = servo_random_effect(kernel, series, found, base, noise=noise)
+    own = head_angle_error_information(kernel, series, found, base, noise=noise)
     spread = cluster_covariance(found.normal, off_bounds(kernel, found), own, min_share=min_share)
     return JointFit(found, noise, spread.cov, base, spread.df, spread.influence)
 
@@ -139,7 +139,7 @@ def _first_fit(
     raise FloatingPointError("the model runs away from these trials, whatever its coefficients")
 
 
-def servo_random_effect(
+def head_angle_error_information(
     kernel: CompiledSystem, series: Sequence[Series], found: Fit, base: Float, *, noise: Noise
 ) -> TrialRandomEffect | None:
     """What an error of each trial's head angle does to the normal equations of a fit, which does
@@ -168,7 +168,7 @@ def coefficient_cell(tuned: JointFit, index: int) -> dict[str, Any]:
     At a bound `at_bound` says which, there is no std, and the interval has the bound at one end.
     Where trials cannot disagree, since one alone informs on the number, std and interval are None.
     """
-    parameter, side = parameter_of(tuned.fit.free[index]), bound_sides(tuned.fit)[index]
+    parameter, side = parameter_definition(tuned.fit.free[index]), bound_sides(tuned.fit)[index]
     value, interval = float(tuned.fit.values[index]), tuned.interval_95[index]
     half = float(0.5 * (interval[1] - interval[0]))
     naive = float(np.sqrt(tuned.fit.naive_cov[index, index]))

@@ -14,7 +14,7 @@ from ..integrate.batch import in_lanes, propagate
 from ..model import constants, plates
 from ..observation import view_of
 from ..study import Setup
-from .bounds import bound_sides, parameter_of
+from .bounds import bound_sides, parameter_definition
 from .identify import Combination, parameter_scales
 from .joint_fit import UNDETERMINED_ABOVE, JointFit
 from .turning_trials import TURN_COEFFICIENTS, all_straight
@@ -76,7 +76,7 @@ def plausible_values(series: Sequence[Series], tuned: JointFit) -> Float:
     naive = np.sqrt(np.diag(tuned.fit.naive_cov))
     silent = [f.name in TURN_COEFFICIENTS and all_straight(series) for f in tuned.fit.free]
     held = [bool(side) for side in bound_sides(tuned.fit)]
-    starts = np.array([parameter_of(f).start for f in tuned.fit.free])
+    starts = np.array([parameter_definition(f).start for f in tuned.fit.free])
     wide = naive > UNDETERMINED_ABOVE * parameter_scales(tuned)
     return np.where(held | np.array(silent) | wide, starts,
                     tuned.fit.values)  # fmt: skip

@@ -32,7 +32,7 @@ STAGES_FOLDER = Path(__file__).resolve().parents[1] / "stages"
 """Folder of the stages, a file each."""
 EXIT_SOME_TRIALS_FAILED = 3
 """Exit code of a stage in which some trials failed."""
-UNITS_PER_MB = 2**20 if sys.platform == "darwin" else 2**10  # of ru_maxrss
+MAXRSS_UNITS_PER_MB = 2**20 if sys.platform == "darwin" else 2**10  # of ru_maxrss
 
 
 def stage_names() -> list[str]:
@@ -147,7 +147,7 @@ def _write_usage(options: argparse.Namespace, wall_s: float) -> None:
         resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
     )
     cpu_s = own.ru_utime + own.ru_stime + jobs.ru_utime + jobs.ru_stime
-    memory_mb = max(own.ru_maxrss, jobs.ru_maxrss) / UNITS_PER_MB
+    memory_mb = max(own.ru_maxrss, jobs.ru_maxrss) / MAXRSS_UNITS_PER_MB
     name = options.figure or (options.trials[0] if options.trials else "")
     path = options.results / "benchmarks" / options.name / name
     text = f"s\tmax_rss\tcpu_time\n{wall_s:.3f}\t{memory_mb:.1f}\t{cpu_s:.3f}\n"

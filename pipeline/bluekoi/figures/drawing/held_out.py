@@ -11,7 +11,7 @@ def evaluated_trials(campaign: Campaign) -> tuple[str, ...]:
     return tuple(str(name) for name in found.get("trials") or ())
 
 
-def no_trial_held_out(campaign: Campaign) -> bool:
+def evaluated_on_fitted_trials(campaign: Campaign) -> bool:
     """Whether the reported errors refer to the fitted trials.
 
     A study too small to hold trials out is evaluated on all of its trials: mismatch.json then

@@ -12,7 +12,7 @@ from ...data import Float
 INSIDE_RADII, OUTSIDE_RADII, BACKGROUND_RING_RADII = 0.5, 1.7, (1.8, 2.6)
 UNMIXING_ITERATIONS = 3
 NOISE_STD_GREY_LEVELS = 3.0
-MIN_COVERED_SHARE = 0.3
+MIN_DOT_COVERAGE_SHARE = 0.3
 
 
 def coverage_centroid(
@@ -57,6 +57,6 @@ def _covered_shares(patch: Float, away: Float) -> Float | None:
     cover = (patch - rest) @ blind / (apart @ blind)
     return (
         cover
-        if cover[away < OUTSIDE_RADII].sum() > MIN_COVERED_SHARE * np.sum(away < 1.0)
+        if cover[away < OUTSIDE_RADII].sum() > MIN_DOT_COVERAGE_SHARE * np.sum(away < 1.0)
         else None
     )

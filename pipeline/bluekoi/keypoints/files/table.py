@@ -26,7 +26,7 @@ LEFT_OUT_REMARK = (
 )
 MAX_GAP_FRAMES = 20_000
 """Frames that may be missing in one go: more than five minutes at 60 frames a second."""
-CORE_PARTS = ("hinge", "core_center", "tail_base")
+CORE_PLATE_KEYPOINTS = ("hinge", "core_center", "tail_base")
 
 
 @dataclass(frozen=True)
@@ -236,11 +236,11 @@ def _column_index(table: Table, who: str, name: str) -> int | None:
 def _check_required_parts(
     path: Path, table: Table, chosen: Mapping[str, object], wanted: Mapping[str, str]
 ) -> None:
-    core = [part for part in CORE_PARTS if part in chosen]
+    core = [part for part in CORE_PLATE_KEYPOINTS if part in chosen]
     if "head_tip" in chosen and len(core) >= 2:
         return
     names = sorted({part for _, part in table.columns})
-    missing = [wanted[part] for part in ("head_tip", *CORE_PARTS) if part not in chosen]
+    missing = [wanted[part] for part in ("head_tip", *CORE_PLATE_KEYPOINTS) if part not in chosen]
     raise input_error(
         path,
         "bodyparts",

@@ -34,7 +34,7 @@ CONVERGED_STEP, MAX_MOVE_BL, MAX_TURN_RAD = 0.002, 0.12, 0.4
 GAIN_RANGE = (0.6, 1.5)
 MIN_SEEN_SHARE = 0.3
 NOSE_STATION = round(END_MARGIN / (1 + 2 * END_MARGIN) * (STATIONS_ALONG - 1))
-BEND_INFORMATION = 0.0002
+BEND_PRIOR_INFORMATION_SHARE = 0.0002
 """Prior information of each bending coefficient, as a share of that of a body's heading."""
 
 
@@ -255,7 +255,7 @@ def _scoring_equations(
 def _limited_scoring_step(information: Float, side: Float, pose: Float) -> Float:
     """Change of the pose in body axes; bending tied to none, the more the higher its order."""
     normal, right = information.copy(), side.copy()
-    tie = BEND_INFORMATION * information[2, 2]
+    tie = BEND_PRIOR_INFORMATION_SHARE * information[2, 2]
     for i in range(len(pose)):
         normal[i, i] += 0.01 * information[i, i] + 1e-6
         if i > 2:

@@ -14,7 +14,7 @@ from .plane import Plane
 from .template import Template
 
 Image = npt.NDArray[np.uint8]
-POOL_MASK_SCALE = 1.08
+POOL_MASK_ENLARGEMENT = 1.08
 MIN_RELATIVE_CONTRAST = 0.4
 MIN_LEVEL_GREY_LEVELS, LEVEL_NOISE_STDS = 14.0, 4.0
 MAX_AREA_RATIO = 4.0
@@ -82,7 +82,7 @@ def pool_mask(shape: tuple[int, ...], corners: Float) -> Image:
     """1 in the pool and a little around it, else 0."""
     mask = np.zeros(shape[:2], np.uint8)
     middle = corners.mean(axis=0)
-    wide = middle + POOL_MASK_SCALE * (corners - middle)
+    wide = middle + POOL_MASK_ENLARGEMENT * (corners - middle)
     cv2.fillConvexPoly(mask, wide.round().astype(np.int32), 1)
     return mask
 

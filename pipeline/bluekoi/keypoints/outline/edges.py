@@ -20,7 +20,7 @@ Image = npt.NDArray[np.uint8]
 LumaAndBackground = tuple[Image, Image]
 
 MIN_CONTRAST_GREY_LEVELS = 12.0
-EDGE_HALF_WIDTH_PX = 3
+EDGE_WINDOW_HALF_WIDTH_PX = 3
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -70,7 +70,7 @@ def edge_offset(
     skin *= _body_brightness_ratio(seen, at, skin)
     total = 0.0
     inner, outer, ends = 0.0, 0.0, 0
-    for k in range(at - EDGE_HALF_WIDTH_PX, at + EDGE_HALF_WIDTH_PX + 1):
+    for k in range(at - EDGE_WINDOW_HALF_WIDTH_PX, at + EDGE_WINDOW_HALF_WIDTH_PX + 1):
         if k < 0 or k >= count:
             continue
         depth = gain * clear[k] - skin
@@ -83,7 +83,7 @@ def edge_offset(
             inner += 1.0 - cover
         if k > at:
             outer += cover
-    if ends < 2 * EDGE_HALF_WIDTH_PX or inner > 1.0 or outer > 1.0:
+    if ends < 2 * EDGE_WINDOW_HALF_WIDTH_PX or inner > 1.0 or outer > 1.0:
         return math.nan
     return at + total - 0.5 - reach
 
@@ -113,7 +113,7 @@ def _best_step_index(seen: Float, clear: Float, skin: float) -> int:
 def _body_brightness_ratio(seen: Float, at: int, skin: float) -> float:
     """Brightness of the body just inside against what was learned: the light is on it too."""
     total, count = 0.0, 0
-    for k in range(max(0, at - EDGE_HALF_WIDTH_PX - 3), at - EDGE_HALF_WIDTH_PX + 1):
+    for k in range(max(0, at - EDGE_WINDOW_HALF_WIDTH_PX - 3), at - EDGE_WINDOW_HALF_WIDTH_PX + 1):
         total += seen[k]
         count += 1
     if count < 2 or skin <= 0.0:

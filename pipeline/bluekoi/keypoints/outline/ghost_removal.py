@@ -19,7 +19,7 @@ from .template import Template
 from .tracking import Fit, Scene
 
 ROBOT_MARGIN_BL = 0.036
-TAIL_REACH_RATIO = 1.15
+TAIL_MASK_LENGTH_RATIO = 1.15
 Region = tuple[slice, slice]
 
 
@@ -31,7 +31,7 @@ def robot_mask(one: Fit, scene: Scene, template: Template) -> tuple[Region, Imag
     body = (outline[:, 0] + 1j * outline[:, 1]) * turn + x + 1j * y
     base = x + 1j * y - template.core_bl * turn
     swing = np.exp(1j * np.linspace(-1.1, 1.1, 9))
-    tail = np.concatenate([[base], base - TAIL_REACH_RATIO * template.tail_bl * turn * swing])
+    tail = np.concatenate([[base], base - TAIL_MASK_LENGTH_RATIO * template.tail_bl * turn * swing])
     shapes = [
         scene.plane.pixels(np.column_stack([shape.real, shape.imag])).round().astype(np.int32)
         for shape in (body, tail)

@@ -134,7 +134,7 @@ def fit_pose(
 
 
 @njit(cache=True, error_model="numpy")
-def information_and_support(
+def information_and_edge_support(
     found: tuple[Float, Float, Float],
     part: npt.NDArray[np.int64],
     heading: float,

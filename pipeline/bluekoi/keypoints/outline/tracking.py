@@ -12,12 +12,12 @@ import numpy.typing as npt
 from ...data import Float, Frame
 from .background import Image
 from .blob_detection import Blob, candidate_poses, find_blobs
-from .edges import EDGE_HALF_WIDTH_PX
+from .edges import EDGE_WINDOW_HALF_WIDTH_PX
 from .plane import Plane
-from .pose_fit import OutlineArrays, fit_pose, information_and_support
+from .pose_fit import OutlineArrays, fit_pose, information_and_edge_support
 from .tail_detection import tail_length, trace_tail
 from .template import Template
-from .variance import VarianceStatistics, covariance_kernels, variance_statistics
+from .variance import FrameQuadraticForms, covariance_kernels, variance_statistics
 
 PRIOR_PRECISION = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
 MIN_SUPPORT = 0.55
@@ -59,7 +59,7 @@ class Fit:
 
     pose: Float
     information: Float
-    statistics: VarianceStatistics | None
+    statistics: FrameQuadraticForms | None
     support: tuple[float, float, float]
     nearness: float
     tail: tuple[Float, float, float, tuple[float, float, float]]
@@ -69,7 +69,9 @@ class Fit:
 
 def search_ranges_px(scene: Scene, *sizes_bl: float) -> npt.NDArray[np.int64]:
     """Search lengths in px, at least what an edge needs."""
-    px = [max(EDGE_HALF_WIDTH_PX + 2, round(size * scene.plane.px_per_bl)) for size in sizes_bl]
+    px = [
+        max(EDGE_WINDOW_HALF_WIDTH_PX + 2, round(size * scene.plane.px_per_bl)) for size in sizes_bl
+    ]
     return np.array([min(p, 40) for p in px], dtype=np.int64)
 
 
@@ -92,7 +94,7 @@ def fit_frame(
     )
     limits = (tolerance_px(scene), NEARNESS_RANGE_BL * scene.plane.px_per_bl)
     found = (offset, weight, slope)
-    information, share = information_and_support(found, shape[2], pose[2], limits)
+    information, share = information_and_edge_support(found, shape[2], pose[2], limits)
     signs = (
         None
         if known is None

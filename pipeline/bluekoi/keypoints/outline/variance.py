@@ -23,11 +23,11 @@ from ...vector_width import njit
 
 PATCH_LENGTH_SHARE, DRIFT_LENGTH_SHARE = 0.045, 0.11
 """Scales of light that moves edges in or out, and one way, as shares of head and core's length."""
-MAX_RESIDUAL_RATIO = 9.0
+MAX_SQUARED_RESIDUAL_TO_MEDIAN = 9.0
 
 
 @dataclass(frozen=True)
-class VarianceStatistics:
+class FrameQuadraticForms:
     """What one frame's offsets say of the variances, for K kernels.
 
     forms: (K,) r' K_j r, px^2. expected: (K, K) of them for each variance 1. spread: (K, 5, 5)
@@ -52,20 +52,20 @@ def covariance_kernels(points_bl: Float, normals: Float, length_bl: float) -> Fl
 
 def variance_statistics(
     found: tuple[Float, Float, Float], heading: float, prior: Float, known: Float
-) -> VarianceStatistics:
+) -> FrameQuadraticForms:
     """Statistics of one fitted frame.
 
     found: offsets left (n,) px, weights (n,), slopes (n, 5) in pool axes. heading: rad, of the
     core. prior: (5,) information of the fit's prior. known: (K, n, n) kernels.
     """
-    return VarianceStatistics(*_summed_products(found, heading, np.diag(prior), known))
+    return FrameQuadraticForms(*_summed_products(found, heading, np.diag(prior), known))
 
 
 @njit(cache=True, error_model="numpy")
 def _summed_products(
     found: tuple[Float, Float, Float], heading: float, prior: Float, known: Float
 ) -> tuple[Float, Float, Float]:
-    """Forms, expected, spread of `VarianceStatistics`."""
+    """Forms, expected, spread of `FrameQuadraticForms`."""
     rows, seen = _jacobian_gain_and_residual_rows(found, heading, prior)
     n, count, turned = len(rows), len(known), rows.T.copy()
     forms, expected = np.zeros(count), np.zeros((count, count))
@@ -121,13 +121,13 @@ def _trace_of_kernel_product(one: Float, other: Float, seen: Float) -> float:
     return total
 
 
-def mean_covariance(frames: Sequence[VarianceStatistics]) -> Float:
+def mean_covariance(frames: Sequence[FrameQuadraticForms]) -> Float:
     """Mean covariance (5, 5) of pose and width in body axes over frames."""
     residue = np.array([one.forms[0] for one in frames])
     kept = [
         one
         for one, r in zip(frames, residue, strict=True)
-        if r <= MAX_RESIDUAL_RATIO * np.median(residue)
+        if r <= MAX_SQUARED_RESIDUAL_TO_MEDIAN * np.median(residue)
     ]
     forms, expected, spread = (
         np.mean([getattr(one, name) for one in kept], axis=0)

@@ -112,7 +112,7 @@ def residual_terms(model: Model) -> list[ResidualTerm]:
     return [t for t in out if not any(_has_same_force(model, cause, t) for cause in model.causes)]
 
 
-PROBED_STATES = 5
+SAME_FORCE_PROBE_COUNT = 5
 """States, drawn at random, at which it is asked which outputs a cause changes."""
 
 
@@ -126,7 +126,7 @@ def _has_same_force(model: Model, cause: Cause, term: ResidualTerm) -> bool:
     if not set(names) <= {strength, term.variable} or len(cause.parameters) > 1:
         return False
     rng, ratios = np.random.default_rng(1), []
-    for q in rng.uniform(0.5, 2.0, PROBED_STATES) * np.array([1, -1, 1, -1, 1]):
+    for q in rng.uniform(0.5, 2.0, SAME_FORCE_PROBE_COUNT) * np.array([1, -1, 1, -1, 1]):
         given = {strength: 1.0, term.variable: float(q)}
         force = np.array(function(*(given[n] for n in names)), dtype=float)
         expected = _residual_term_value(term, float(q))

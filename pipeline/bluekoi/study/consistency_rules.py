@@ -209,9 +209,19 @@ def _is_beyond_image_margin(value: float, size: int) -> bool:
     )
 
 
+MAX_NAME_BYTES, MAX_PATH_BYTES = 255, 4000
+"""Longest name of a file or folder, and longest path, that Linux and macOS can open."""
+
+
 def trial_problems(trial: Trial) -> list[Problem]:
-    """Cells of a row that do not go together."""
-    problems = []
+    """Cells of a row that do not go together, or that no file system can hold."""
+    problems = [
+        Problem(
+            key, f"a path of {len(text)} characters", f"names of {MAX_NAME_BYTES} bytes at most"
+        )
+        for key, text in (("source", trial.source), ("motor_log", trial.motor_log or ""))
+        if any(_is_too_long(path) for path in text.split(";"))
+    ]
     if (trial.reads_keypoints or trial.reads_images) and trial.fps is None:
         kind = "a keypoint file" if trial.reads_keypoints else "pictures"
         expected = f"frames per second; fps is required where the source is {kind}"
@@ -223,3 +233,8 @@ def trial_problems(trial: Trial) -> list[Problem]:
         expected = f"end_s must come after start_s ({trial.start_s:g})"
         problems.append(Problem("end_s", f"{trial.end_s:g}", expected))
     return problems
+
+
+def _is_too_long(path: str) -> bool:
+    names = [part.encode("utf-8", "surrogateescape") for part in path.strip().split("/")]
+    return max(map(len, names)) > MAX_NAME_BYTES or sum(map(len, names)) > MAX_PATH_BYTES

@@ -204,6 +204,14 @@ def test_doubts_on_trials_are_named_where_a_run_ends_before_its_last_word(tmp_pa
     assert text.startswith("trial T09: flap_hz is 0, but the tail beats at 2.4 Hz")
 
 
+def test_check_refuses_a_path_that_no_file_system_holds(tmp_path):
+    study = small_study(tmp_path / "study")
+    edit_trials_csv(study, T10={"source": "x" * 300 + ".mp4"})
+    result = bluekoi("check", study)
+    assert result.exit_code == 1
+    assert "source: found a path of 304 characters; expected names of 255 bytes" in result.output
+
+
 def test_check_names_missing_files(tmp_path):
     study = small_study(tmp_path / "study")
     (study / "motor/T10.csv").unlink()

@@ -600,6 +600,32 @@ def wait_for_stage_process(run: subprocess.Popen[bytes], name: str) -> int:
     raise AssertionError(f"no stage {name} at work")
 
 
+def wait_for_trial_process(run: subprocess.Popen[bytes], name: str) -> int:
+    """Process id of the process that computes one trial of a stage of a run, waited for.
+
+    It is forked by the process of its batch, which the preloaded process (a child of the run) has
+    forked.
+    """
+    wait_for_stage_process(run, name)
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline:
+        parents: dict[int, int] = {}
+        servers = set()
+        for path in Path("/proc").glob("[0-9]*/stat"):
+            with contextlib.suppress(OSError):
+                pid, parent = int(path.parent.name), path.read_text().rpartition(")")[2].split()[1]
+                parents[pid] = int(parent)
+                if (
+                    int(parent) == run.pid
+                    and b"forkserver" in (path.parent / "cmdline").read_bytes()
+                ):
+                    servers.add(pid)
+        for pid, parent in parents.items():
+            if parents.get(parent) in servers:
+                return pid
+    raise AssertionError(f"no trial of stage {name} at work")
+
+
 @pytest.fixture
 def with_default_sigint() -> Iterator[None]:
     """What a shell starts in the background ignores Ctrl-C, and so does all that it starts."""
@@ -650,7 +676,7 @@ def test_a_worker_killed_for_memory_costs_its_own_trial_alone_and_only_till_the_
     delete_records(workflow)
     run = subprocess.Popen(workflow.command(), cwd=workflow.root, env=workflow.environment(),
                            stderr=subprocess.PIPE, start_new_session=True)  # fmt: skip
-    os.kill(wait_for_stage_process(run, "tracks"), signal.SIGKILL)
+    os.kill(wait_for_trial_process(run, "tracks"), signal.SIGKILL)
     said = run.communicate(timeout=600)[1].decode()
     assert run.returncode == 1
     assert "killed from outside (SIGKILL), by a person or for want of memory" in said

@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 from bluekoi.preparation.prefill import (
+    StudyFiles,
     blank_study_yaml,
     condition_of_name,
     study_files,
@@ -48,6 +49,16 @@ def test_rows_have_source_log_and_condition_where_they_are_known(tmp_path):
     assert "head_angle_deg" not in found["70pct.mov"]
     assert [found[f"{k}/T1.mp4"]["trial_id"] for k in "ab"] == ["T1", "b_T1"]
     assert {row["head_length_m"] for row in rows} == {"0.12"}
+
+
+def test_one_motor_log_is_not_given_to_two_recordings_of_one_name():
+    files = StudyFiles(("a/p50.mp4", "b/p50.mp4", "b/p70.mp4"), (), ("p50.csv", "p70.csv"))
+    assert [row.get("motor_log") for row in trial_rows(files)] == [None, None, "p70.csv"]
+
+
+def test_numbers_that_no_trial_has_are_not_taken_from_a_name():
+    assert condition_of_name("p999_phi-500") == {}
+    assert condition_of_name("p300_phi-120") == {"power_pct": "300", "head_angle_deg": "-120"}
 
 
 def test_chapters_of_one_recording_make_one_row(tmp_path):

@@ -225,7 +225,7 @@ def test_a_negative_power_is_perhaps_a_head_angle(tmp_path):
         (["T01,k.csv,100,30,0.12,30,,,,train"], "row 2 (T01), role", "'fit' or 'held_out'"),
         (["T01,k.csv,100,30,0.12,,,,,"], "row 2 (T01), fps", "fps is required"),
         ([TRIAL_ROW.rsplit(",", 1)[0] + ",held_out"], "role", "one or more to fit"),
-        (["T01,k.csv,100,30,0.12,0,,,,"], "row 2 (T01), fps", "greater than 0"),
+        (["T01,k.csv,100,30,0.12,0,,,,"], "row 2 (T01), fps", "greater than or equal to 1"),
         (["T01,k.csv,100,300,0.12,30,,,,"], "row 2 (T01), head_angle_deg", "less than or equal"),
         (["T01,k.csv,100,30"], "row 2 (T01), number of cells", "10, as in the header"),
         ([TRIAL_ROW, "", TRIAL_ROW.replace("T01,", "t01,", 1)], "trial_id", "each trial_id once"),
@@ -340,16 +340,19 @@ def test_any_value_under_any_key_is_read_or_a_fault(tmp_path, section, data):
     assert sound
 
 
-@pytest.mark.parametrize("key", ["body_length_m", "tail_length_m"])
-def test_a_length_whose_powers_are_no_numbers_is_read_or_a_fault(tmp_path, key):
+@pytest.mark.parametrize(
+    ("section", "key"),
+    [("robot", "body_length_m"), ("robot", "tail_length_m"), ("pool", "length_m")],
+)
+@pytest.mark.parametrize("value", [1e200, 1e300])
+def test_a_length_whose_powers_are_no_numbers_is_refused(tmp_path, section, key, value):
     content = changed_setup()
-    content["robot"][key] = 1e200
+    content.setdefault(section, {})[key] = value
     write_study(tmp_path, yaml.safe_dump(content, allow_unicode=True))
-    if key == "body_length_m":
-        with pytest.raises(InputError, match="a robot shorter than the pool"):
-            load_study(tmp_path)
-    else:
-        assert load_study(tmp_path).setup.robot.tail_length_m == 1e200
+    with pytest.raises(
+        InputError, match=rf"{section}\.{key}: found 1e\+[23]00; expected less than"
+    ):
+        load_study(tmp_path)
 
 
 def test_one_trial_is_read_without_checking_the_others(tmp_path):
@@ -365,3 +368,41 @@ def test_one_trial_named_twice_is_reported_where_it_alone_is_read(tmp_path):
     study = write_study(tmp_path / "s", rows=(TRIAL_ROW, TRIAL_ROW))
     with pytest.raises(InputError, match=r"'T01' 2 times \(rows 2, 3\)"):
         load_study(study, only="T01")
+
+
+def test_hundred_thousand_unknown_columns_are_a_few_lines(tmp_path):
+    header = HEADER + "," + ",".join(f"c{k}" for k in range(100_000))
+    with pytest.raises(InputError) as refused:
+        load_study(write_study(tmp_path, rows=(TRIAL_ROW,), header=header))
+    text = str(refused.value)
+    assert "unknown column 'c0'" in text
+    assert "99995 further unknown columns" in text
+    assert len(text.splitlines()) < 10
+
+
+def test_a_number_with_an_underscore_is_refused(tmp_path):
+    study = write_study(tmp_path, rows=("T01,k.csv,100,30,0.12,2_5,,,,",))
+    with pytest.raises(
+        InputError, match=r"fps: found '2_5'; expected a number without underscores"
+    ):
+        load_study(study)
+
+
+def test_a_study_yml_is_to_be_renamed(tmp_path):
+    study = write_study(tmp_path)
+    (study / "study.yaml").rename(study / "study.yml")
+    with pytest.raises(InputError, match=r"Rename study\.yml to study\.yaml"):
+        load_study(study)
+
+
+def test_two_parts_with_one_name_in_the_file_are_refused(tmp_path):
+    content = changed_setup() | {"bodyparts": {"head_tip": "nose", "hinge": "nose"}}
+    write_study(tmp_path, yaml.safe_dump(content))
+    with pytest.raises(InputError, match="name 'nose' for head_tip and hinge"):
+        load_study(tmp_path)
+
+
+def test_exchanged_names_of_two_parts_are_read(tmp_path):
+    content = changed_setup() | {"bodyparts": {"head_tip": "hinge", "hinge": "head_tip"}}
+    write_study(tmp_path, yaml.safe_dump(content))
+    assert load_study(tmp_path).setup.bodyparts["hinge"] == "head_tip"

@@ -9,13 +9,15 @@ from functools import partial
 
 import numpy as np
 import pytest
+import yaml
 from click.testing import CliRunner
 from exact_campaign import exact_campaign
 
 from bluekoi.camera import pool_camera
-from bluekoi.camera.length_warnings import deviations_from_majority, length_warnings
+from bluekoi.camera.length_warnings import MIN_LENGTH_ERROR_SHARE, length_warnings
 from bluekoi.cli import main
 from bluekoi.data import Flapping, Pose, Steady, Track
+from bluekoi.data.majority import deviations_from_majority
 from bluekoi.errors import InputError
 from bluekoi.files import read_json
 from bluekoi.keypoints.deeplabcut import read, write
@@ -23,14 +25,16 @@ from bluekoi.motor import clock_ratio, flapping_compared_with_video, trial_flapp
 from bluekoi.motor.power_consistency import power_warnings
 from bluekoi.pose import rigid_pose
 from bluekoi.pose.plausibility import first_jump, plausibility_findings, plausible_pose
-from bluekoi.preparation.input_check import file_findings
+from bluekoi.pose.trial_comparison import comparison_warnings
+from bluekoi.preparation.input_check import check_files, file_findings
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.head_angle_sign import sign_finding
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.tracks import _with_clock_remark, tracks
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study, missing_files_of_trial
-from bluekoi.study.consistency_rules import robot_warnings
+from bluekoi.study.consistency_rules import setup_warnings
+from bluekoi.trial_warnings import trial_warnings
 from small_studies import edit_trials_csv, mapped_turn, small_study
 
 
@@ -275,16 +279,17 @@ SPEED_DEVIATIONS = np.array([-0.07, -0.03, 0.13, 0.05, -0.05, -0.10, 0.02, 0.17,
 
 
 def test_up_to_half_of_the_trials_may_differ_from_the_others():
-    std = np.full(9, 6e-4)
-    assert not deviations_from_majority(SPEED_DEVIATIONS, std).any()
+    std, least = np.full(9, 6e-4), MIN_LENGTH_ERROR_SHARE
+    assert not deviations_from_majority(SPEED_DEVIATIONS, std, least).any()
     for wrong in ([3], [0, 2, 5, 7]):
         shares = SPEED_DEVIATIONS.copy()
         shares[wrong] += 0.015
-        off = deviations_from_majority(shares, std)
+        off = deviations_from_majority(shares, std, least)
         assert np.flatnonzero(off).tolist() == wrong
         assert off[wrong] == pytest.approx(0.015, abs=0.003)
-    assert not deviations_from_majority(np.array([0.0, 0.1]), np.zeros(2)).any()
-    assert not deviations_from_majority(np.random.default_rng(0).normal(0, 0.01, 9), std).any()
+    assert not deviations_from_majority(np.array([0.0, 0.1]), np.zeros(2), least).any()
+    usual = np.random.default_rng(0).normal(0, 0.01, 9)
+    assert not deviations_from_majority(usual, std, least).any()
 
 
 def test_a_keypoint_file_of_another_camera_is_a_warning(tmp_path):
@@ -343,9 +348,9 @@ def test_a_power_that_does_not_go_with_the_flapping_frequency_is_a_warning():
 @pytest.mark.parametrize("change", [{"mass_kg": 6.8}, {"yaw_inertia_kg_m2": 0.0009}])
 def test_mass_and_inertia_that_are_not_one_body_s_are_a_warning(study_with_turn, change):
     study, _, _ = study_with_turn
-    assert robot_warnings(study.setup) == []
+    assert setup_warnings(study.setup) == []
     robot = study.setup.robot.model_copy(update=change)
-    text, *_ = robot_warnings(study.setup.model_copy(update={"robot": robot}))
+    text, *_ = setup_warnings(study.setup.model_copy(update={"robot": robot}))
     assert "a radius of gyration of 0.0" in text
     assert "all coefficients are proportional to mass_kg" in text
 
@@ -356,7 +361,7 @@ def test_a_head_span_that_is_not_the_body_s_height_is_a_warning(study_with_turn,
     study, _, _ = study_with_turn
     span = factor * study.setup.robot.head_span_m
     robot = study.setup.robot.model_copy(update={"head_span_m": span})
-    (text,) = robot_warnings(study.setup.model_copy(update={"robot": robot}))
+    (text,) = setup_warnings(study.setup.model_copy(update={"robot": robot}))
     assert f"head_span_m {span:g}" in text
     assert "inversely proportional to head_span_m" in text
 
@@ -486,3 +491,70 @@ def test_what_is_found_in_place_of_a_file_is_named(tmp_path):
     name = "'keypoints/T10.csv'"
     assert said == [f"a folder {name}", f"a pipe or a device {name}, not a file",
                     f"a link {name} that leads nowhere", f"no file {name}"]  # fmt: skip
+
+
+def warnings_of_check(study):
+    return trial_warnings(loaded := load_study(study), check_files(loaded)[1])
+
+
+def test_exchanged_files_of_two_trials_are_named(tmp_path):
+    """Angles of 15 and 30 degrees at one power: each trial alone is within what is refused."""
+    study = small_study(tmp_path / "study")
+    assert not any("Are their files exchanged" in text for text in warnings_of_check(study))
+    angles = {t.trial_id: t.head_angle_deg for t in load_study(study).trials}
+    other = f"{angles['T10'] - 15:g}"
+    statuses = {
+        name: {"ok": True, "body": {"head_angle_deg": seen, "length_ratios": {}}}
+        for name, seen in (("T09", angles["T09"]), ("T10", float(other)), ("T11", angles["T10"]))
+    }
+    edit_trials_csv(study, T11={"head_angle_deg": other})
+    one, two = comparison_warnings(load_study(study), statuses)
+    assert one.startswith("Trial T10: the head is turned by 15 degrees, as trial T11 states")
+    assert two.startswith("Trial T11: the head is turned by 30 degrees, as trial T10 states")
+    assert one.endswith("Are their files exchanged?")
+
+
+def test_a_head_angle_that_only_one_trial_has_wrong_is_a_warning(tmp_path):
+    study = small_study(tmp_path / "study")
+    edit_trials_csv(study, T10={"head_angle_deg": "20"})
+    (text,) = (one for one in warnings_of_check(study) if "head is turned" in one)
+    assert text.startswith("Trial T10: the head is turned by 30 degrees, head_angle_deg is 20")
+
+
+def test_a_part_of_a_recording_is_no_further_trial(tmp_path):
+    study = small_study(tmp_path / "study")
+    header, *rows = (study / "keypoints/T10.csv").read_text().splitlines(keepends=True)
+    (study / "keypoints/T11.csv").write_text("".join([header, *rows[:2], *rows[40:]]))
+    (study / "keypoints/T11.cov.csv").unlink(missing_ok=True)
+    edit_trials_csv(study, T11={"head_angle_deg": "30", "head_length_m": "0.12", "power_pct": "50"})
+    (text,) = (one for one in warnings_of_check(study) if "its frames" in one)
+    assert text.startswith("Trial T11: many of its frames have the keypoints of trial T10")
+
+
+def test_a_wrong_head_length_of_the_robot_is_found_by_check(tmp_path):
+    study = small_study(tmp_path / "study")
+    assert not any("on the scale of the other parts" in text for text in warnings_of_check(study))
+    path = study / "study.yaml"
+    content = yaml.safe_load(path.read_text())
+    content["robot"]["head_length_m"] -= 0.02
+    path.write_text(yaml.safe_dump(content))
+    (text,) = (one for one in warnings_of_check(study) if "on the scale" in one)
+    assert text.startswith("core_center to tail_base measures")
+    assert "robot.body_length_m - robot.head_length_m - robot.hinge_to_com_m" in text
+
+
+def test_a_log_that_covers_little_of_a_recording_is_a_warning(tmp_path):
+    study = small_study(tmp_path / "study")
+    edit_trials_csv(study, T10={"fps": "1"})
+    statuses = {"T10": {"ok": True, "logged_share": 0.03}, "T11": {"ok": True, "logged_share": 1.0}}
+    (text,) = trial_warnings(load_study(study), statuses)
+    assert text.startswith("trial T10: the motor log covers 3 % of the recording.")
+
+
+def test_an_image_size_that_does_not_go_with_the_matrix_is_a_warning(study_with_turn):
+    study, _, _ = study_with_turn
+    camera = study.setup.camera
+    width, height = camera.image_size_px
+    larger = camera.model_copy(update={"image_size_px": (2 * width, 2 * height)})
+    (text,) = setup_warnings(study.setup.model_copy(update={"camera": larger}))
+    assert "25 % of the picture from the middle" in text

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Float
+from ..data.majority import deviations_from_majority
 from .rigid_distances import STATED_LENGTH_STD_SHARE
 
 WARN_ABOVE_SIGMAS = 5.0
@@ -20,8 +20,6 @@ SCALE_CAUSES = ("scale_error", "uncorrected_refraction", "lens_error", "sinking"
 """Causes that account for rigid lengths of another size."""
 MIN_CAUSE_PROBABILITY = 0.5
 """A cause below this probability accounts for nothing."""
-NORMAL_IQR_IN_STDS = 1.349
-"""Width of the central half of a normal distribution, in standard deviations."""
 
 
 def length_warnings(
@@ -71,35 +69,12 @@ def _camera_error_warnings(geometry: Mapping[str, Any], named: set[str]) -> Iter
 def _deviating_trial_warnings(by_trial: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
     names = list(by_trial)
     shares, stds = (np.array([by_trial[n][key] for n in names]) for key in ("excess", "std"))
-    for name, off in zip(names, deviations_from_majority(shares, stds), strict=True):
+    for name, off in zip(
+        names, deviations_from_majority(shares, stds, MIN_LENGTH_ERROR_SHARE), strict=True
+    ):
         if off:
             yield (
                 f"Trial {name}: the robot's rigid lengths come out {100 * off:+.1f} % against the "
                 "other trials. Its picture is not theirs (turned, mirrored, cropped, zoomed, or "
                 "another camera), or head_length_m is not this trial's."
             )
-
-
-def deviations_from_majority(shares: Float, stds: Float) -> Float:
-    """Difference (n,) of each trial's share from most trials', 0 where it is within the scatter.
-
-    Centre and scatter are those of the shortest interval with half of the trials (least median of
-    squares; Rousseeuw, J. Am. Stat. Assoc. 79 (1984) 871, with its correction for few values), so
-    that up to half of the trials may be wrong.
-    """
-    n = len(shares)
-    if n < 3:
-        return np.zeros(n)
-    half = (n + 1) // 2
-    ordered = np.sort(shares)
-    widths = ordered[half - 1 :] - ordered[: n - half + 1]
-    at = int(np.argmin(widths))
-    centre = float(np.median(ordered[at : at + half]))
-    scatter = float(widths[at]) / NORMAL_IQR_IN_STDS * (1 + 5 / (n - 1))
-    off = shares - centre
-    return np.where(
-        np.abs(off)
-        > np.maximum(MIN_LENGTH_ERROR_SHARE, WARN_ABOVE_SIGMAS * np.hypot(scatter, stds)),
-        off,
-        0.0,
-    )

@@ -40,8 +40,8 @@ def check(study: Path) -> None:
     """List all errors in the files of STUDY, a folder with study.yaml and trials.csv."""
     from ..errors import InputError  # noqa: PLC0415
     from ..preparation.input_check import check_files, setup_findings  # noqa: PLC0415
-    from ..stages.outcome import trial_warnings  # noqa: PLC0415
     from ..study import load_study, missing_files  # noqa: PLC0415
+    from ..trial_warnings import trial_warnings  # noqa: PLC0415
     from ..workflow.plan import check_results_name  # noqa: PLC0415
 
     loaded = load_study(study)

@@ -61,7 +61,15 @@ def explain(
     from ..files import write_json, write_text  # noqa: PLC0415
     from ..report.explanation import write_explanation  # noqa: PLC0415
 
+    def progress(text: str) -> None:
+        if not quiet:
+            click.echo(f"... {text}", err=True)
+
+    progress(f"running {model}")
     given = ex.load_model(model)
+    folder = out or Path("results") / "explain" / given.name
+    _refuse_file_for_folder(folder)
+    progress(f"reading {data}")
     trials = ex.read_trials(given, data)
     further = [t for folder in others for t in ex.read_trials(given, folder)]
     found = ex.explain(
@@ -70,12 +78,11 @@ def explain(
         candidates=_split_names(candidates),
         without=_split_names(without) or (),
         compare=[_split_names(one) or () for one in sets],
-        progress=lambda text: None if quiet else click.echo(f"... {text}", err=True),
+        progress=progress,
     )
     predicted = ex.predict(found, further, known_s=known_s) if further else None
     if left_out and predicted is None:
         predicted = ex.predict_left_out(found, known_s=known_s)
-    folder = out or Path("results") / "explain" / given.name
     content, text = ex.explanation_json(found), ex.summary(found)
     if predicted is not None:
         content["prediction"] = ex.prediction_json(predicted)
@@ -85,6 +92,16 @@ def explain(
     write_explanation(found, predicted, folder / "report.html")
     click.echo(text)
     click.echo(f"\nWritten: {folder}")
+
+
+def _refuse_file_for_folder(folder: Path) -> None:
+    """Raises: InputError where results cannot be written because a file has the folder's name."""
+    from ..errors import input_error  # noqa: PLC0415
+
+    for path in (folder, *folder.parents):
+        if path.exists() and not path.is_dir():
+            raise input_error(path, "", "a file", "a folder for the results",
+                              "Name another one with --out.")  # fmt: skip
 
 
 def _split_names(text: str | None) -> tuple[str, ...] | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from .number_types import FiniteNumber
 from .parameter_types import NonEmptyPath
 from .progress_notice import progress_notice
 
@@ -20,7 +21,9 @@ HEAD_LENGTH_HELP = "1x head, nose to hinge, m; filled in for every trial."
 @click.command()
 @click.argument("files", nargs=-1, type=NonEmptyPath(path_type=Path), metavar="[VIDEOS]...")
 @click.option("--study", type=NonEmptyPath(path_type=Path), help="Folder of the study.")
-@click.option("--head-length-m", type=click.FloatRange(0, 10, min_open=True), help=HEAD_LENGTH_HELP)
+@click.option(
+    "--head-length-m", type=FiniteNumber(min=0, max=10, min_open=True), help=HEAD_LENGTH_HELP
+)
 def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | None) -> None:
     """Write study.yaml and trials.csv for VIDEOS: videos, keypoint files, or a folder with them.
 
@@ -44,7 +47,11 @@ def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | Non
         if (folder / name).exists():
             raise input_error(folder / name, "", "a file that is there already", "none",
                               "Rename it, or edit it by hand: nothing is overwritten.")  # fmt: skip
-    rows = trial_rows(_selected_files(folder, files), head_length_m)
+    selected = _selected_files(folder, files)
+    if odd := [name for name in selected.recordings if ";" in name]:
+        raise input_error(folder / odd[0], "", "a name with ';', which joins chapters in "
+                          "trials.csv", "a name without it", "Rename the file.")  # fmt: skip
+    rows = trial_rows(selected, head_length_m)
     if not rows:
         remedy = "Videos: mp4, mov, avi, mkv; keypoints: DeepLabCut's csv or h5."
         raise input_error(folder, "", "no video and no keypoint file", "one or more", remedy)

@@ -44,15 +44,17 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
     """Show the verdict on STUDY (default: the demo), its warnings and causes, and the place of its
     report.
     """
-    from ..errors import escape_control_characters  # noqa: PLC0415
+    from ..errors import escape_control_characters, input_error  # noqa: PLC0415
     from ..files import read_json  # noqa: PLC0415
     from ..stages.layout import Layout  # noqa: PLC0415
 
     folder = results_folder(study, results)
-    found = folder / "mismatch.json"
-    for line in (
-        summary_lines(read_json(found)) if found.is_file() else ["No search for causes yet."]
-    ):
+    path = folder / "mismatch.json"
+    found = read_json(path) if path.is_file() else None
+    if found is not None and not (isinstance(found, dict) and found.get("sentence")):
+        remedy = f"Remove the file and run the study again: bluekoi run {study}."
+        raise input_error(path, "", "no verdict", "the result of a search", remedy)
+    for line in summary_lines(found) if found else ["No search for causes yet."]:
         click.echo(escape_control_characters(line))
     done = folder / "outcome.json"  # of a run in which no trial failed
     for text in read_json(done).get("warnings", ()) if done.is_file() else ():

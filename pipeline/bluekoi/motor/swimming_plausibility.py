@@ -24,7 +24,7 @@ from .tail_beat import tail_excursion
 
 GRAVITY_M_S2 = 9.81
 PLAUSIBLE_RANGES: Mapping[str, tuple[float, float, str]] = {
-    "body_lengths_s": (0.0, 10.0, "a speed of {} body lengths per second (plausible: up to 10)"),
+    "body_lengths_s": (0.05, 10.0, "{} body lengths per second (plausible: 0.05 to 10)"),
     "froude": (0.0, 0.5, "a Froude number of {} (plausible near the surface: up to 0.5)"),
     "stride_lengths": (0.0, 1.2, "{} body lengths per tail beat (plausible: up to 1.2)"),
     "strouhal": (0.1, 2.0, "a Strouhal number of {} (plausible: 0.1 to 2)"),
@@ -32,6 +32,8 @@ PLAUSIBLE_RANGES: Mapping[str, tuple[float, float, str]] = {
 """Plausible range of each number and its name. Sources: Videler, Fish Swimming, 1993, ch. 1 and 5
 (speed, stride); Hoerner, Fluid-Dynamic Drag, 1965, ch. 11 (wave drag); Triantafyllou et al., J.
 Fluids Struct. 7 (1993) 205 (Strouhal number, thrust above 0.1)."""
+MIN_LOGGED_SHARE = 0.5
+"""Share of a recording that its motor log covers, below which there is a warning."""
 CLOCK_TOLERANCE = 0.01
 """Clocks that differ by less than this share are left to the search, without a warning."""
 TAIL_LENGTH_RATIO_RANGE = (0.6, 1.3)
@@ -75,6 +77,9 @@ def study_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
     return [
         *_clock_warnings(ratios, len(good)),
         *_stopped_motor_warnings(stopped, len(good)),
+        *_logged_share_warnings(
+            {i: v for i, s in good.items() if (v := s.get("logged_share")) is not None}, len(good)
+        ),
         *_implausible_swimming_warnings(others, len(good)),
     ]
 
@@ -137,6 +142,16 @@ def _stopped_motor_warnings(beats_hz: Mapping[str, float], of: int) -> Iterator[
         yield (
             f"{_trial_list_text(list(beats_hz), of)}: flap_hz is 0, but the tail beats at {hz} Hz "
             "in the video. State the frequency, or leave flap_hz empty."
+        )
+
+
+def _logged_share_warnings(shares: Mapping[str, float], of: int) -> Iterator[str]:
+    few = {i: share for i, share in shares.items() if share < MIN_LOGGED_SHARE}
+    if few:
+        yield (
+            f"{_trial_list_text(list(few), of)}: the motor log covers "
+            f"{100 * min(few.values()):.2g} % of the recording. Is fps far too low, or is the log "
+            "another trial's?"
         )
 
 

@@ -13,11 +13,9 @@ from ..errors import input_error
 from ..study import Study, Trial
 from .clock_comparison import flapping_compared_with_video, flapping_from_stated_frequency
 from .motor_log import flapping_from_log, log_coverage
+from .swimming_plausibility import MIN_LOGGED_SHARE
 from .tail_beat import MAX_BEAT_STD_SHARE, clock_ratio, tail_beat_from_video, tail_beat_lag
 from .tail_beat_drift import tail_beat_drift
-
-MIN_LOGGED_SHARE = 0.5
-"""Logged share of a recording below which the track carries a remark."""
 
 
 def trial_flapping(study: Study, trial: Trial, positions: Positions) -> Flapping:

@@ -17,6 +17,7 @@ from ..errors import Finding, InputError, input_error
 from ..study import Study, Trial
 from . import rigid_pose
 from .body import body_lengths, trusted_points
+from .trial_comparison import mean_head_angle_deg
 
 MAX_LENGTH_ERROR_SHARE, MAX_LENGTH_ERROR_M = 0.25, 0.02
 """Largest error of a rigid part's length on the trial's scale: the larger of share and length."""
@@ -135,13 +136,9 @@ def _part_order_findings(source: str, place: str, positions: Positions) -> list[
 
 
 def _head_angle_findings(table: str, place: str, trial: Trial, pose: Pose) -> list[Finding]:
-    angle = pose.values[len(pose.values) // 2 :, 3]
-    angle = angle[np.isfinite(angle)]
-    if len(angle) == 0:
-        return []
-    seen = float(np.degrees(np.angle(np.exp(1j * angle).mean())))
+    seen = mean_head_angle_deg(pose)
     apart = (seen - trial.head_angle_deg + 180) % 360 - 180
-    if abs(apart) <= MAX_HEAD_ANGLE_ERROR_DEG:
+    if not abs(apart) > MAX_HEAD_ANGLE_ERROR_DEG:
         return []
     found = f"a head angle of {seen:.0f} degrees in the second half of the recording"
     mirrored = abs((seen + trial.head_angle_deg + 180) % 360 - 180) <= MAX_HEAD_ANGLE_ERROR_DEG / 2
@@ -199,7 +196,10 @@ def _jump_findings(source: str, place: str, study: Study, pose: Pose) -> list[Fi
         return []
     way = float(np.linalg.norm(xy[at + 1] - xy[at]))
     found = f"a robot that jumps {way:.2f} m between {t[at]:.2f} and {t[at + 1]:.2f} s"
-    remedy = "Is there a cut in the recording, or another body? start_s and end_s choose a part."
+    remedy = (
+        "Is there a cut in the recording (start_s and end_s choose a part), another body, a "
+        "keypoint that is missing in part of the frames, or fps far too high?"
+    )
     return [Finding(source, place, found, "one path", remedy)]
 
 

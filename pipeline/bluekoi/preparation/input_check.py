@@ -23,6 +23,7 @@ from ..motor.swimming_plausibility import tail_length_seen
 from ..pose.body import RIGID_PARTS
 from ..pose.fit import usable_frames
 from ..pose.plausibility import plausible_pose
+from ..pose.trial_comparison import body_record
 from ..study import Setup, Study, Trial
 from ..study.recording_pixels import setup_in_film_pixels
 
@@ -110,7 +111,7 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
     Raises: InputError where a trial's motor log, keypoints or film cannot be read, where the
     keypoints cannot be those of the robot, or the log is of another time or contradicts flap_hz.
     """
-    positions = None
+    positions, logged = None, None
     if trial.reads_keypoints:
         path = study.paths(trial)[0]
         found = source_module("deeplabcut").read(path, trial, study.setup.bodyparts)
@@ -120,7 +121,8 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         positions = map_keypoints(
             pool_camera(study.setup), found, study.setup.robot.keypoint_depth_m
         )
-        plausible_pose(study, trial, positions)
+        pose = plausible_pose(study, trial, positions)
+        body = body_record(found, positions, pose, study.setup.robot, trial)
         end_s = float(found.time_s[-1])
     else:
         film = open_recording(
@@ -130,12 +132,18 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         end_s = trial.end_s or film.duration_s
     if (log := study.motor_path(trial)) is not None:
         flapping = flapping_from_log(log)
-        log_coverage(log, flapping, (trial.start_s or 0.0, end_s))
+        logged = log_coverage(log, flapping, (trial.start_s or 0.0, end_s))
         _check_stated_frequency(study, trial, flapping.flap_hz)
     if positions is None:
         return {}
     record = flapping_record(trial_flapping(study, trial, positions))
-    status = {"ok": True, "flapping": record, "tail_m": tail_length_seen(positions)}
+    status = {
+        "ok": True,
+        "flapping": record,
+        "tail_m": tail_length_seen(positions),
+        "body": body,
+        "logged_share": logged,
+    }
     return dict(to_json_types(status))
 
 

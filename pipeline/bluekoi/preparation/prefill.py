@@ -28,6 +28,8 @@ ANGLE_PATTERN = re.compile(
     r"(?i)(?:^|[_\-. ])(?:head[_-]?angle|angle|phi|a)_?(m|minus|-|\+)?(\d{1,3}(?:\.\d+)?)"
     r"(?:deg)?(?=$|[_\-. ])"
 )
+LIMITS = {"power_pct": 300.0, "head_angle_deg": 120.0}
+"""Largest values of trials.csv: a larger number in a name is something else, such as a date."""
 LOG_WORDS_PATTERN = re.compile(r"(?i)^(motor|log|angle|shaft|encoder)[_\-. ]|"
                        r"[_\-. ](motor|log|angle|shaft|encoder)s?$")  # fmt: skip
 """Words that the name of a motor log may have beside that of its recording."""
@@ -46,6 +48,11 @@ class StudyFiles:
     keypoints: tuple[str, ...]
     motor_logs: tuple[str, ...]
     pictures: tuple[str, ...] = ()
+
+    @property
+    def recordings(self) -> tuple[str, ...]:
+        """Videos, else folders of pictures, else keypoint files: one kind makes the trials."""
+        return self.videos or self.pictures or self.keypoints
 
 
 def study_files(folder: Path) -> StudyFiles:
@@ -76,11 +83,13 @@ def trial_rows(files: StudyFiles, head_length_m: float | None = None) -> list[di
     """A row of trials.csv for each recording, else for each keypoint file: column to text.
 
     Power and head angle are taken from names such as `p50_phi-20`, `50pct`; the motor log is the
-    one of the same name. What is not known is left out for the user to fill in. Chapters of one
-    GoPro recording make one row. head_length_m: of the 1x head, taken for all trials.
+    one of the same name, unless recordings in several folders have that name. What is not known is
+    left out for the user to fill in. Chapters of one GoPro recording make one row. head_length_m:
+    of the 1x head, taken for all trials.
     """
-    sources = _recording_sources(files.videos) or list(files.pictures or files.keypoints)
+    sources = _recording_sources(files.videos) or list(files.recordings)
     logs = _logs_by_name(files.motor_logs)
+    stems = Counter(Path(source.split(";")[0]).stem.casefold() for source in sources)
     rows: list[dict[str, str]] = []
     for source in sources:
         stem = Path(source.split(";")[0]).stem
@@ -91,7 +100,7 @@ def trial_rows(files: StudyFiles, head_length_m: float | None = None) -> list[di
         row |= condition_of_name(stem)
         if head_length_m is not None:
             row["head_length_m"] = f"{head_length_m:g}"
-        if log := logs.get(stem.casefold()):
+        if stems[stem.casefold()] == 1 and (log := logs.get(stem.casefold())):
             row["motor_log"] = log
         rows.append(row)
     return rows
@@ -105,7 +114,7 @@ def condition_of_name(stem: str) -> dict[str, str]:
     if angle := ANGLE_PATTERN.search(stem):
         sign = "-" if (angle[1] or "").lower() in ("m", "minus", "-") else ""
         found["head_angle_deg"] = f"{sign}{float(angle[2]):g}"
-    return found
+    return {key: text for key, text in found.items() if abs(float(text)) <= LIMITS[key]}
 
 
 def trials_csv(rows: Sequence[Mapping[str, str]], header: Sequence[str] = ()) -> str:

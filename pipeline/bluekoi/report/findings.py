@@ -12,9 +12,7 @@ from ..camera.plane_camera import NO_MATRIX_REMARK
 from ..campaign import Campaign
 from ..figures.drawing.held_out import evaluated_on_fitted_trials
 from ..figures.drawing.missing_force import FORCE_NAMES, VARIABLE_LABELS
-from ..motor.power_consistency import power_warnings
-from ..motor.swimming_plausibility import study_warnings
-from ..study.consistency_rules import robot_warnings
+from ..trial_warnings import trial_warnings
 from .numbers import (
     format_number,
     format_probability,
@@ -101,9 +99,7 @@ def warnings(campaign: Campaign) -> list[str]:
     """Warnings on the robot, clocks, speeds, powers and lengths, on a camera without calibration,
     of the search, and one if no coefficient is determined.
     """
-    powers = {trial.trial_id: trial.power_pct for trial in campaign.study.trials}
-    found = robot_warnings(campaign.study.setup) + study_warnings(campaign.statuses)
-    found += power_warnings(campaign.statuses, powers) + _uncalibrated_remark(campaign)
+    found = trial_warnings(campaign.study, campaign.statuses) + _uncalibrated_remark(campaign)
     found += length_warnings(campaign.geometry, campaign.mismatch)
     found += [_as_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from ..camera.length_warnings import length_warnings
 from ..files import read_json, read_json_if_present, write_json
-from ..motor.power_consistency import power_warnings
-from ..motor.swimming_plausibility import study_warnings, tail_warnings
-from ..study import Study, load_study
-from ..study.consistency_rules import robot_warnings
+from ..study import load_study
+from ..trial_warnings import trial_warnings
 from .layout import Layout, remove_files
 from .manifest import write_manifest
 from .trial_failure import failure_reason
@@ -45,14 +41,3 @@ def outcome(study: Path, results: Path) -> list[str]:
         return [*bad, *(f"Warning: {text}" for text in warnings)]
     write_json(done, {"trials": len(statuses), "all_good": True, "warnings": warnings})
     return []
-
-
-def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """What to check in study.yaml and in trials that were used. statuses: by trial id."""
-    powers = {trial.trial_id: trial.power_pct for trial in study.trials}
-    return [
-        *robot_warnings(study.setup),
-        *study_warnings(statuses),
-        *tail_warnings(statuses, study.setup.robot.tail_length_m),
-        *power_warnings(statuses, powers),
-    ]

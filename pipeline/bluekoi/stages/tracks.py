@@ -24,6 +24,7 @@ from ..motor.swimming_plausibility import (
     tail_length_seen,
 )
 from ..pose.plausibility import plausible_pose
+from ..pose.trial_comparison import body_record
 from ..smoothing import smooth_with_noise_ratio
 from ..smoothing.systematic_error import with_systematic_error
 from ..steady import steady_state, write_steady
@@ -97,6 +98,7 @@ def _write_track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
         "flapping": flapping_record(flapping),
         "swimming": swimming,
         "tail_m": tail_length_seen(positions),
+        "body": body_record(found, positions, pose, study.setup.robot, trial),
         "pool_edges": edges,
     }
 

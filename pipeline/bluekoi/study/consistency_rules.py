@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NoReturn
 
@@ -23,6 +23,8 @@ WIDTH_TO_HEIGHT_RANGE = (0.2, 1.5)
 """Mean width over height of a swimming body: a disc-shaped fish 0.2, a box 1, a ray more."""
 CORNER_MARGIN_SHARE_OF_IMAGE = 0.25
 """Pool corners may lie outside the image by this share of it, as marks laid out beyond its edge."""
+PRINCIPAL_POINT_OFFSET_SHARE = 0.1
+"""The axis of a lens meets the sensor within this share of its size from the middle."""
 
 
 @dataclass(frozen=True)
@@ -83,14 +85,34 @@ def setup_problems(setup: Setup) -> list[Problem]:
         *too_large,
         *_corner_height_problems(setup),
         *_unknown_bodypart_problems(setup.bodyparts),
+        *_shared_name_problems(setup.bodyparts),
     ]
 
 
-def robot_warnings(setup: Setup) -> list[str]:
-    """A sentence where mass, yaw inertia and size are not those of one body. No motion shows them:
-    coefficients are proportional to the mass, those of forces inversely to head span and density.
+def setup_warnings(setup: Setup) -> list[str]:
+    """A sentence where mass, yaw inertia and size are not those of one body, or the lens is not in
+    the middle of the picture. No motion shows the former: coefficients are proportional to the
+    mass, those of forces inversely to head span and density.
     """
-    return [*_gyration_radius_warnings(setup.robot), *_body_volume_warnings(setup)]
+    return [
+        *_gyration_radius_warnings(setup.robot),
+        *_body_volume_warnings(setup),
+        *_principal_point_warnings(setup.camera),
+    ]
+
+
+def _principal_point_warnings(camera: Camera) -> list[str]:
+    if camera.matrix is None or camera.image_size_px is None:
+        return []
+    point, size = (camera.matrix[0][2], camera.matrix[1][2]), camera.image_size_px
+    off = max(abs(at / full - 0.5) for at, full in zip(point, size, strict=True))
+    if off <= PRINCIPAL_POINT_OFFSET_SHARE:
+        return []
+    return [
+        f"The camera matrix has the axis of the lens at ({point[0]:.0f}, {point[1]:.0f}) px, "
+        f"{100 * off:.0f} % of the picture from the middle of its {size[0]} x {size[1]} px. Is "
+        "image_size_px the size of the calibration's pictures? A cropped picture is no whole one."
+    ]
 
 
 def _gyration_radius_warnings(robot: Robot) -> list[str]:
@@ -138,6 +160,22 @@ def _unknown_bodypart_problems(bodyparts: Iterable[str]) -> list[Problem]:
         Problem(f"bodyparts.{part}", "an unknown part", expected, did_you_mean(part, PARTS))
         for part in bodyparts
         if part not in PARTS
+    ]
+
+
+def _shared_name_problems(bodyparts: Mapping[str, str]) -> list[Problem]:
+    owners: dict[str, list[str]] = {}
+    for part in PARTS:
+        owners.setdefault(bodyparts.get(part, part), []).append(part)
+    return [
+        Problem(
+            f"bodyparts.{next(part for part in parts if part in bodyparts)}",
+            f"the file's name '{name}' for {' and '.join(parts)}",
+            "another name for each part",
+            "A part without an entry has its own name in the files.",
+        )
+        for name, parts in owners.items()
+        if len(parts) > 1
     ]
 
 

@@ -16,14 +16,21 @@ from .consistency_rules import camera_problems, raise_problems, robot_problems, 
 def _refuse_non_plain_number(value: object) -> object:
     if isinstance(value, bool):
         raise ValueError("a number, not true or false")
+    if isinstance(value, str) and "_" in value:
+        raise ValueError("a number without underscores")
     if isinstance(value, float) and not math.isfinite(value):
         raise ValueError("a finite number")
     return value
 
 
 PlainNumberCheck = BeforeValidator(_refuse_non_plain_number)
-Positive = Annotated[float, PlainNumberCheck, Field(gt=0, allow_inf_nan=False)]
-Number = Annotated[float, PlainNumberCheck, Field(allow_inf_nan=False)]
+PlainFloat = Annotated[float, PlainNumberCheck]
+LARGEST_NUMBER = 1e7
+"""No length, mass, focal length or pixel of a study in SI units is larger; a slip of the pen is."""
+Positive = Annotated[float, PlainNumberCheck, Field(gt=0, le=LARGEST_NUMBER, allow_inf_nan=False)]
+Number = Annotated[
+    float, PlainNumberCheck, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False)
+]
 Pixel = tuple[Number, Number]
 Row3 = tuple[Number, Number, Number]
 ImageSize = tuple[Annotated[int, Field(gt=0)], Annotated[int, Field(gt=0)]]
@@ -58,7 +65,7 @@ class Pool(Section):
 class Water(Section):
     """The water."""
 
-    density_kg_m3: Annotated[float, PlainNumberCheck] = described_field(
+    density_kg_m3: PlainFloat = described_field(
         "Density of the water: 998 fresh, 1025 sea. Coefficients of forces are inversely "
         "proportional to it, and no recording can check it.",
         "kg/m3",
@@ -66,7 +73,7 @@ class Water(Section):
         ge=500.0,
         le=2000.0,
     )
-    refractive_index: Annotated[float, PlainNumberCheck] = described_field(
+    refractive_index: PlainFloat = described_field(
         "Refractive index of the water against air; 1 switches the correction off.",
         "1",
         1.333,
@@ -97,14 +104,14 @@ class Robot(Section):
     head_span_m: Positive = described_field(
         "Vertical extent of the head plate; head area = head length x span.", "m"
     )
-    hinge_to_com_m: Annotated[float, PlainNumberCheck] = described_field(
+    hinge_to_com_m: PlainFloat = described_field(
         "Distance of the centre of mass behind the hinge, on the core axis.",
         "m",
         ge=0,
         allow_inf_nan=False,
     )
     tail_length_m: Positive = described_field("Caudal base (root of the tail) to tail tip.", "m")
-    keypoint_depth_m: Annotated[float, PlainNumberCheck] = described_field(
+    keypoint_depth_m: PlainFloat = described_field(
         "Depth of the keypoints below the still water surface. Without this key, the depth is "
         "estimated from distances between keypoints on one rigid part, which must be the same "
         "everywhere in the pool. The default is used if the standard deviation of the estimate is "

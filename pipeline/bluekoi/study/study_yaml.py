@@ -68,7 +68,11 @@ def _yaml_content(path: Path, findings: list[Finding]) -> dict[str, Any] | None:
         # A subclass of SafeLoader: plain values only, no Python objects.
         content = yaml.load(read_text(path, MAX_YAML_BYTES), _UniqueKeyLoader)  # noqa: S506
     except FileNotFoundError:
-        findings.append(Finding(str(path), "", "no such file", "a study.yaml in the study folder"))
+        other = path.with_suffix(".yml")
+        remedy = f"Rename {other.name} to {path.name}." if other.is_file() else ""
+        findings.append(
+            Finding(str(path), "", "no such file", "a study.yaml in the study folder", remedy)
+        )
         return None
     except READ_ERRORS as error:
         found = f"no readable yaml ({unreadable_reason(error)})"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -12,11 +13,17 @@ from ..errors import Finding, did_you_mean, unreadable_reason
 from ..files import read_text
 from .image_files import names_images
 from .types import KEYPOINT_SUFFIXES, VIDEO_SUFFIXES, Trial
-from .validation_messages import DECIMAL_POINT_REMEDY, findings_from_validation_error
+from .validation_messages import (
+    DECIMAL_POINT_REMEDY,
+    findings_from_validation_error,
+    shortened_repr,
+)
 
 MAX_CSV_BYTES, MAX_TRIALS = 10_000_000, 10_000
 """Ten times the largest study that was tried; a larger file is hardly a list of trials."""
 Rows = list[tuple[int, list[str]]]
+MAX_LISTED_COLUMNS, MAX_SHOWN_NAME = 5, 40
+"""Unknown columns that are listed one by one, and characters of a name that are compared."""
 PATH_RULE = "a path without '..': relative to the study folder, or absolute"
 READ_ERRORS = (OSError, UnicodeDecodeError, csv.Error)
 
@@ -86,21 +93,33 @@ def _header_findings(path: str, number: int, names: list[str]) -> list[Finding]:
     if len(names) == 1 and (";" in names[0] or "\t" in names[0]):
         return [Finding(path, where, f"one column '{names[0]}'", "columns separated by commas",
                         DECIMAL_POINT_REMEDY)]  # fmt: skip
+    others = [name for name in names if name not in known]
     unknown = [
         Finding(
-            path, where, f"unknown column '{name}'", "a known column", did_you_mean(name, known)
+            path,
+            where,
+            f"unknown column {shortened_repr(name)}",
+            "a known column",
+            did_you_mean(name[:MAX_SHOWN_NAME], known),
         )
-        for name in names
-        if name not in known
+        for name in others[:MAX_LISTED_COLUMNS]
     ]
+    if (more := len(others) - MAX_LISTED_COLUMNS) > 0:
+        unknown.append(Finding(path, where, f"{more} further unknown columns", "known columns"))
     missing = [
         Finding(path, where, f"no column '{name}'", f"the columns {', '.join(required)}")
         for name in required
         if name not in names
     ]
     repeated = [
-        Finding(path, where, f"column '{name}' twice", "each column once")
-        for name in sorted({name for name in names if names.count(name) > 1})
+        Finding(
+            path,
+            where,
+            f"column {shortened_repr(name)} {'twice' if times == 2 else f'{times} times'}",
+            "each column once",
+        )
+        for name, times in Counter(names).most_common(MAX_LISTED_COLUMNS)
+        if times > 1
     ]
     return unknown + missing + repeated
 

@@ -12,7 +12,7 @@ from pydantic import Field, field_validator, model_validator
 from ..errors import did_you_mean, input_error
 from .consistency_rules import raise_problems, trial_problems
 from .image_files import expand_source, names_images
-from .setup import Section, Setup, described_field
+from .setup import PlainFloat, Section, Setup, described_field
 
 VIDEO_SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".m4v", ".360", ".mts")
 KEYPOINT_SUFFIXES = (".csv", ".h5", ".hdf5", ".slp")
@@ -27,20 +27,22 @@ class Trial(Section):
         "`T01/*.png` or `T01/%05d.png`), or keypoint file (.csv, .h5, .slp) in raw camera pixels. "
         "Paths are relative to the study folder, without `..`, or absolute; links are followed."
     )
-    power_pct: Annotated[float, Field(ge=0, le=300, allow_inf_nan=False)] = described_field(
+    power_pct: Annotated[PlainFloat, Field(ge=0, le=300, allow_inf_nan=False)] = described_field(
         "Motor power, in percent of the full power of the motor controller. Trials with the same "
         "power, head angle and head length are one condition.",
         "%",
     )
-    head_angle_deg: Annotated[float, Field(ge=-120, le=120, allow_inf_nan=False)] = described_field(
-        "Commanded head angle: direction of the core minus direction of the head. It is positive "
-        "if the head points to the right of the robot.",
-        "deg",
+    head_angle_deg: Annotated[PlainFloat, Field(ge=-120, le=120, allow_inf_nan=False)] = (
+        described_field(
+            "Commanded head angle: direction of the core minus direction of the head. It is "
+            "positive if the head points to the right of the robot.",
+            "deg",
+        )
     )
-    head_length_m: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] = described_field(
+    head_length_m: Annotated[PlainFloat, Field(gt=0, le=10, allow_inf_nan=False)] = described_field(
         "Nose to hinge in this trial.", "m"
     )
-    fps: Annotated[float, Field(gt=0, le=10000, allow_inf_nan=False)] | None = described_field(
+    fps: Annotated[PlainFloat, Field(ge=1, le=10000, allow_inf_nan=False)] | None = described_field(
         "Frame rate at which the scene was filmed: required for keypoint files and pictures; "
         "overrides the time stamps of a video. 30000/1001 is written 29.97003.",
         "frames/s",
@@ -54,13 +56,13 @@ class Trial(Section):
         "",
         None,
     )
-    flap_hz: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] | None = described_field(
-        "Flapping frequency, where there is no motor log.", "Hz", None
+    flap_hz: Annotated[PlainFloat, Field(ge=0, le=100, allow_inf_nan=False)] | None = (
+        described_field("Flapping frequency, where there is no motor log.", "Hz", None)
     )
-    start_s: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = described_field(
+    start_s: Annotated[PlainFloat, Field(ge=0, allow_inf_nan=False)] | None = described_field(
         "Start of the part of the recording to use.", "s", None
     )
-    end_s: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = described_field(
+    end_s: Annotated[PlainFloat, Field(gt=0, allow_inf_nan=False)] | None = described_field(
         "End of the part of the recording to use.", "s", None
     )
     role: Literal["fit", "held_out"] | None = described_field(
@@ -70,13 +72,13 @@ class Trial(Section):
         None,
     )
 
-    start_x_px: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = described_field(
+    start_x_px: Annotated[PlainFloat, Field(ge=0, allow_inf_nan=False)] | None = described_field(
         "If several bodies are in the picture: pixel coordinate u of the intended one in the first "
         "frame used; together with start_y_px.",
         "px",
         None,
     )
-    start_y_px: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = described_field(
+    start_y_px: Annotated[PlainFloat, Field(ge=0, allow_inf_nan=False)] | None = described_field(
         "Pixel coordinate v of the intended body in the first frame used.", "px", None
     )
 

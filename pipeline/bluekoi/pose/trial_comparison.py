@@ -1,0 +1,161 @@
+"""What the trials of a study show of the robot, compared with each other and with study.yaml.
+
+Errors that are too small to refuse a trial by itself stand out beside the other trials: a head
+angle that only one trial has wrong, files of two trials exchanged, a recording that is part of
+another one, a body whose lengths are the same in all trials but not those of study.yaml.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from ..data import Keypoints, Pose, Positions
+from ..data.majority import deviations_from_majority
+from ..study import Robot, Study, Trial
+from .body import body_lengths, trusted_points
+
+MIN_HEAD_ANGLE_DEVIATION_DEG = 5.0
+"""Head angles that deviate less from those of the other trials are a servo's accuracy."""
+MIN_PART_ERROR_SHARE, MIN_PART_ERROR_M = 0.08, 0.008
+"""Error of one part's length beside the others above which the lengths of study.yaml are doubted;
+keypoints are placed more accurately than that."""
+FRAME_HASHES, MIN_COMMON_HASHES = 64, 4
+"""Frames of a trial that are compared with those of others: those with the smallest hashes (bottom
+sketch; Broder, Proc. SEQUENCES 1997, 21), and how many two trials may not have in common."""
+PART_SOURCES = {
+    "head_m": ("head_tip to hinge", "head_length_m in trials.csv"),
+    "hinge_m": ("hinge to core_center", "robot.hinge_to_com_m"),
+    "tail_m": (
+        "core_center to tail_base",
+        "robot.body_length_m - robot.head_length_m - robot.hinge_to_com_m",
+    ),
+}
+"""Length -> the keypoints between which it is measured, and the keys that state it."""
+
+
+def body_record(
+    keypoints: Keypoints, positions: Positions, pose: Pose, robot: Robot, trial: Trial
+) -> dict[str, Any]:
+    """Head angle and lengths of a trial, as status/ID.json holds them, and hashes of its frames."""
+    body = body_lengths(*trusted_points(positions), robot, trial.head_length_m)
+    stated = _stated_lengths(robot, trial)
+    return {
+        "head_angle_deg": mean_head_angle_deg(pose),
+        "length_ratios": {
+            name: getattr(body, name) / length for name, length in stated.items() if length > 0
+        },
+        "frame_hashes": _frame_hashes(keypoints),
+    }
+
+
+def mean_head_angle_deg(pose: Pose) -> float:
+    """Mean head angle in the second half of a recording, deg; NaN where it is not seen."""
+    angle = pose.values[len(pose.values) // 2 :, 3]
+    angle = angle[np.isfinite(angle)]
+    return float(np.degrees(np.angle(np.exp(1j * angle).mean()))) if len(angle) else float("nan")
+
+
+def comparison_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """A sentence for each doubt that the trials raise together. statuses: by trial id."""
+    trials = {trial.trial_id: trial for trial in study.trials}
+    seen = {
+        name: record
+        for name, status in statuses.items()
+        if status.get("ok") and name in trials and (record := status.get("body"))
+    }
+    return [
+        *_head_angle_warnings(trials, seen),
+        *_repeated_recording_warnings(seen),
+        *_length_warnings(study.setup.robot, trials, seen),
+    ]
+
+
+def _stated_lengths(robot: Robot, trial: Trial) -> dict[str, float]:
+    return {
+        "head_m": trial.head_length_m,
+        "hinge_m": robot.hinge_to_com_m,
+        "tail_m": robot.com_to_tail_base_m,
+    }
+
+
+def _frame_hashes(keypoints: Keypoints) -> list[str]:
+    """The smallest hashes of the frames in which four numbers or more were measured."""
+    rows = np.round(keypoints.xy_px.reshape(len(keypoints.time_s), -1), 2)
+    moving = np.isfinite(rows).sum(axis=1) >= 4
+    digests = {hashlib.blake2b(row.tobytes(), digest_size=6).hexdigest() for row in rows[moving]}
+    return sorted(digests)[:FRAME_HASHES]
+
+
+def _head_angle_warnings(
+    trials: Mapping[str, Trial], seen: Mapping[str, Mapping[str, Any]]
+) -> Iterator[str]:
+    angles = {n: a for n, r in seen.items() if (a := r.get("head_angle_deg")) is not None}
+    off = {n: _turn_deg(a - trials[n].head_angle_deg) for n, a in angles.items()}
+    values = np.array(list(off.values()))
+    odd = deviations_from_majority(values, np.zeros(len(values)), MIN_HEAD_ANGLE_DEVIATION_DEG)
+    deviating = [name for name, by in zip(off, odd, strict=True) if by]
+    wrong = [name for name, by in off.items() if abs(by) > MIN_HEAD_ANGLE_DEVIATION_DEG]
+    exchanged = {
+        name: other
+        for one, two in combinations(wrong, 2)
+        if _fits(angles[one], trials[two]) and _fits(angles[two], trials[one])
+        for name, other in ((one, two), (two, one))
+    }
+    for name in dict.fromkeys([*deviating, *exchanged]):
+        text = f"Trial {name}: the head is turned by {angles[name]:.0f} degrees"
+        stated = f"head_angle_deg is {trials[name].head_angle_deg:g}"
+        if other := exchanged.get(name):
+            yield f"{text}, as trial {other} states, and {stated}. Are their files exchanged?"
+        else:
+            yield (
+                f"{text}, {stated}, and the other trials agree with theirs better. Is it the file "
+                "of another trial?"
+            )
+
+
+def _fits(angle_deg: float, trial: Trial) -> bool:
+    return abs(_turn_deg(angle_deg - trial.head_angle_deg)) <= MIN_HEAD_ANGLE_DEVIATION_DEG
+
+
+def _turn_deg(angle_deg: float) -> float:
+    return (angle_deg + 180) % 360 - 180
+
+
+def _repeated_recording_warnings(seen: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+    owners: dict[str, str] = {}
+    for name, record in seen.items():
+        hashes = record.get("frame_hashes") or ()
+        common = [owners[h] for h in hashes if h in owners]
+        first = max(common, key=common.count, default="")
+        if common.count(first) >= MIN_COMMON_HASHES:
+            yield (
+                f"Trial {name}: many of its frames have the keypoints of trial {first}, to the "
+                "last digit. A part of a recording is no repeat: leave one of them out, or choose "
+                "separate parts by start_s and end_s."
+            )
+        for digest in hashes:
+            owners.setdefault(digest, name)
+
+
+def _length_warnings(
+    robot: Robot, trials: Mapping[str, Trial], seen: Mapping[str, Mapping[str, Any]]
+) -> Iterator[str]:
+    """A sentence for each part of the body whose length is another beside the other parts'."""
+    ratios = {n: r["length_ratios"] for n, r in seen.items() if len(r.get("length_ratios", ())) > 2}
+    if not ratios:
+        return
+    for part, (points, key) in PART_SOURCES.items():
+        shares = [r[part] / float(np.median(list(r.values()))) - 1 for r in ratios.values()]
+        stated = float(np.median([_stated_lengths(robot, trials[n])[part] for n in ratios]))
+        off = float(np.median(shares))
+        if abs(off) > MIN_PART_ERROR_SHARE and abs(off) * stated > MIN_PART_ERROR_M:
+            yield (
+                f"{points} measures {1000 * stated * (1 + off):.0f} mm on the scale of the other "
+                f"parts, {1000 * stated:.0f} mm are stated ({key}). Check these lengths, and where "
+                "the keypoints are placed."
+            )

@@ -1,0 +1,27 @@
+"""What to check in study.yaml and in trials that were used: for `check`, a run and the report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from .motor.power_consistency import power_warnings
+from .motor.swimming_plausibility import study_warnings, tail_warnings
+from .pose.trial_comparison import comparison_warnings
+from .study import Study
+from .study.consistency_rules import setup_warnings
+
+
+def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """A sentence for each doubt about robot, clocks, speeds, powers, head angles and lengths.
+
+    statuses: content of status/ID.json by trial id, or what `check` knows of it.
+    """
+    powers = {trial.trial_id: trial.power_pct for trial in study.trials}
+    return [
+        *setup_warnings(study.setup),
+        *study_warnings(statuses),
+        *tail_warnings(statuses, study.setup.robot.tail_length_m),
+        *power_warnings(statuses, powers),
+        *comparison_warnings(study, statuses),
+    ]

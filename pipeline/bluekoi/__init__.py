@@ -22,6 +22,7 @@ Modules in the order of the data flow:
     design_space  other designs and manoeuvres of the fitted robot
     mismatch      the finder of the robot: mismatch.json
     campaign      a study and all results of its run
+    trial_warnings  what to check in the files and trials of a study
     figures       one figure a file
     report        one self-contained page with all results
     comparison    two runs side by side

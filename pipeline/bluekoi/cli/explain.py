@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from .number_types import FiniteNumber
 from .parameter_types import NonEmptyPath
+
+if TYPE_CHECKING:
+    from ..explain import Model, Trial
 
 
 @click.command()
@@ -51,8 +56,8 @@ def explain(
 ) -> None:  # fmt: skip
     """Find what must be added to the model in MODEL.py to describe the recordings in DATA.
 
-    MODEL.py defines a dynamic model and candidate causes, DATA is a csv file or a folder of them
-    (page "A model and recordings of your own" of the documentation).
+    MODEL.py defines a dynamic model and candidate causes, DATA is a folder of csv files with a
+    data.yaml (page "A model and recordings of your own" of the documentation).
 
     MODEL.py is run as a program: use only files that you would run yourself. Writes
     explanation.json, explanation.md and report.html.
@@ -72,6 +77,8 @@ def explain(
     progress(f"reading {data}")
     trials = ex.read_trials(given, data)
     further = [t for folder in others for t in ex.read_trials(given, folder)]
+    _check_predicted(given, further, known_s)
+    notes = _notes_on_use(given, data, others, candidates, without)
     found = ex.explain(
         given,
         trials,
@@ -84,6 +91,7 @@ def explain(
     if left_out and predicted is None:
         predicted = ex.predict_left_out(found, known_s=known_s)
     content, text = ex.explanation_json(found), ex.summary(found)
+    text += "".join(f"\n\nNote: {note}" for note in notes)
     if predicted is not None:
         content["prediction"] = ex.prediction_json(predicted)
         text += "\n\n" + ex.prediction_text(given, predicted)
@@ -102,6 +110,34 @@ def _refuse_file_for_folder(folder: Path) -> None:
         if path.exists() and not path.is_dir():
             raise input_error(path, "", "a file", "a folder for the results",
                               "Name another one with --out.")  # fmt: skip
+
+
+def _check_predicted(model: Model, trials: Sequence[Trial], known_s: float) -> None:
+    """Raises: InputError, before anything is fitted, where trials cannot be predicted."""
+    from ..errors import input_error  # noqa: PLC0415
+    from ..explain.trials import validated_trials  # noqa: PLC0415
+
+    if not trials:
+        return
+    for trial in validated_trials(model, trials):
+        if (span := float(trial.times[-1] - trial.times[0])) <= known_s:
+            raise input_error(trial.source or trial.name, "", f"a trial of {span:.3g} s",
+                              f"one longer than --known-s, {known_s:g} s")  # fmt: skip
+
+
+def _notes_on_use(
+    model: Model, data: Path, others: Sequence[Path], candidates: str | None, without: str | None
+) -> list[str]:
+    """What the options make of the result, in sentences."""
+    from ..explain.cause_search import requested_causes  # noqa: PLC0415
+
+    names = requested_causes(model, _split_names(candidates), _split_names(without) or ())
+    notes = []
+    if not names and model.causes:
+        notes.append("No candidate cause was tested: --candidates and --without leave none.")
+    if any(other.resolve() == data.resolve() for other in others):
+        notes.append("--predict names the recordings of the fit: their errors are no predictions.")
+    return notes
 
 
 def _split_names(text: str | None) -> tuple[str, ...] | None:

@@ -28,7 +28,7 @@ from ..engine.naming import MIN_NAMED_PROBABILITY, UNEXPLAINED, log_evidence_gai
 from ..engine.problem import no_progress
 from ..engine.set_score import score_set
 from ..errors import Finding, InputError, did_you_mean
-from ..fitting import MAX_OVERDISPERSION, Series
+from ..fitting import Series
 from .checks import checked_model
 from .comparison import (
     PREDICTION_ERRORS,
@@ -40,6 +40,7 @@ from .comparison import (
 )
 from .diagnosis import divergence_error, reporting_compiler_errors
 from .feedback import feedback_sentences
+from .fit_quality import error_sentences, input_term_sentences, overdispersion_sentences
 from .model import Model
 from .numbers import Number, at_bound_sentences, fitted_numbers, undetermined_sentences
 from .preparation import Prepared, prepare, step_error_and_warning
@@ -229,11 +230,9 @@ def _warnings(
     own: list[Number], base: list[Number],
 ) -> list[str]:  # fmt: skip
     out = [*ready.warnings, *warnings_of(ready.model, trials)]
-    if (c := best.overdispersion) > MAX_OVERDISPERSION:
-        out.append(
-            f"Parameters vary between trials {c:.1f} times more (in variance) than their "
-            "standard errors allow: something is missing that no candidate describes."
-        )
+    out += overdispersion_sentences(best)
+    out += error_sentences(ready, best.model)
+    out += input_term_sentences(ready, best.causes)
     if len(best.causes) == ready.problem.most_causes:
         out.append(f"The search ends at {len(best.causes)} causes; more may act.")
     out += _random_force_warnings(ready, best, bare)

@@ -36,9 +36,7 @@ def checked_model(model: Model) -> None:
     if not findings:
         checks = _check_names, _check_stages, _check_causes, _check_coefficients
         findings = [f for check in checks for f in check(model)]
-    if not findings:
-        findings = [*check_unused_numbers(model), *_check_calls(model)]
-    if findings:
+    if findings := findings or _check_calls(model) or check_unused_numbers(model):
         raise InputError(findings)
 
 
@@ -62,7 +60,10 @@ def _check_types(model: Model) -> list[Finding]:
         if not isinstance(c.hooks, Mapping) or not all(map(callable, c.hooks.values())):
             out.append(_finding(model, f"cause {c.name}: hooks", _text_or_type(c.hooks),
                                 "{'STAGE': function}"))  # fmt: skip
+    rows = [(f"coefficient {p.name}", p) for p in model.coefficients]
+    rows += [(f"cause {c.name}: {p.name}", p) for c in model.causes for p in c.parameters]
     for where, value in [
+        *((f"{w}: {k}", getattr(p, k)) for w, p in rows for k in ("start", "lower", "upper")),
         *((f"state {s.name}: start_std", s.start_std) for s in model.states),
         *((f"observation {o.name}: std", o.std) for o in model.observations),
     ]:
@@ -290,7 +291,7 @@ def _check_call(
         found = function(*(0.5 + 0.1 * i for i in range(len(arguments(function)))))
     except ArithmeticError:
         return []
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         return [_finding(model, place, f"{type(error).__name__}: {error}", expected)]
     if not isinstance(found, tuple) or len(found) != len(outputs):
         shown = f"{len(found)} values" if isinstance(found, tuple) else type(found).__name__

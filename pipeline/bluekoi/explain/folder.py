@@ -20,7 +20,8 @@ import pandas as pd
 import yaml
 
 from ..data import Float
-from ..errors import Finding, InputError, did_you_mean, input_error
+from ..data.unique_yaml import load_yaml_without_duplicates
+from ..errors import Finding, InputError, did_you_mean, input_error, unreadable_reason
 from ..files import found_instead_of_file, read_text
 from .model import Model
 from .trials import FIT_ROLE, Trial
@@ -46,7 +47,8 @@ def read_trials(model: Model, folder: Path) -> list[Trial]:
     Raises: InputError naming file, key or column, and what was expected.
     """
     if not folder.is_dir():
-        raise input_error(folder, "", "no such folder", f"a folder with {DATA_FILE} and csv files")
+        found = "a file" if folder.exists() else "no such folder"
+        raise input_error(folder, "", found, f"a folder with {DATA_FILE} and csv files")
     if model.read is not None and not (folder / DATA_FILE).exists():
         return list(model.read(folder))
     settings = _read_data_yaml(folder / DATA_FILE)
@@ -69,7 +71,10 @@ def _read_data_yaml(path: Path) -> dict[str, Any]:
         raise input_error(path, "", "no such file", "the columns of the csv files",
                           "See docs/own_models.md for an example.")  # fmt: skip
     try:
-        found = yaml.safe_load(read_text(path))
+        found = load_yaml_without_duplicates(read_text(path))
+    except UnicodeDecodeError as error:
+        found_text = f"no text ({unreadable_reason(error)})"
+        raise input_error(path, "", found_text, "a yaml file in UTF-8") from None
     except yaml.YAMLError as error:
         tab = "Indent by spaces, not by tabs." if "'\\t'" in str(error) else ""
         raise input_error(path, "", " ".join(str(error).split()), "a yaml file", tab) from None

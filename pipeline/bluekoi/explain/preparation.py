@@ -60,6 +60,7 @@ def prepare(
                         "one recording to another cannot be judged.")  # fmt: skip
     scales = variable_scales(model, trials)
     rate = fit_rate_hz(model, trials)
+    model = with_correlation_over_a_frame(model, max(1.0 / rate, _median_interval_s(trials)))
     assembly = assemble_system(model, hold=not np.isfinite(rate))
     kernel = compiled(assembly.system)
     base, free = assembly.system.values({}), free_coefficients(model, trials)
@@ -84,6 +85,21 @@ def prepare(
     )  # fmt: skip
     return Prepared(model, assembly, problem, tuple(trials), tuple(series), scales, rate, step,
                     tuple(warnings))  # fmt: skip
+
+
+def with_correlation_over_a_frame(model: Model, frame_s: float) -> Model:
+    """The model whose random parts stay correlated over a frame or longer: those that forget
+    faster are white noise, and no integration step from frame to frame follows them.
+    """
+    force, error = (
+        (max(start, frame_s), max(lower, frame_s), max(upper, frame_s))
+        for start, lower, upper in (model.random_force_s, model.error_s)
+    )
+    return replace(model, random_force_s=force, error_s=error)
+
+
+def _median_interval_s(trials: Sequence[Trial]) -> float:
+    return float(np.median([np.median(np.diff(t.times)) for t in trials]))
 
 
 def _cut_few_trials(trials: Sequence[Trial]) -> tuple[Sequence[Trial], int]:
@@ -137,7 +153,7 @@ def fit_rate_hz(model: Model, trials: Sequence[Trial]) -> float:
     """
     samples = sum(len(t.times) for t in trials)
     seconds = sum(float(np.ptp(t.times)) for t in trials)
-    step = float(np.median([np.median(np.diff(t.times)) for t in trials]))
+    step = _median_interval_s(trials)
     rate = np.inf
     if model.most_hz is not None and model.most_hz * step < 1.0:
         rate = model.most_hz

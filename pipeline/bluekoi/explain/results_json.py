@@ -9,6 +9,7 @@ import numpy as np
 
 from ..engine import NamedCause
 from ..engine.naming import UNEXPLAINED
+from ..fitting import MAX_OVERDISPERSION
 from .cause_search import CauseSearchResult
 from .numbers import Number
 from .prediction import Predicted
@@ -63,6 +64,12 @@ def verdict_sentence(found: CauseSearchResult) -> str:
             f"No candidate has a probability above 1/2, but free runs are wrong by {excess:.1f} "
             "times the noise floor: something is missing that no candidate describes, or a unit, a "
             "sign or the time of the recordings is wrong."
+        )
+    if found.verdict == "none" and (c := found.best.overdispersion) > MAX_OVERDISPERSION:
+        return (
+            f"No candidate has a probability above 1/2, but parameters vary between trials {c:.1f} "
+            "times more (in variance) than their standard errors allow: something is missing that "
+            "no candidate describes, or a trial is wrong (see the warnings)."
         )
     if found.verdict == "none":
         return "No mismatch beyond the noise: no candidate has a probability above 1/2."

@@ -65,8 +65,9 @@ def fit_noise(
 
     logs, width = np.log([max(_noise_vector(noise)[k], MIN_STRENGTH) for k in estimated]), 0.7
     linear = linearised(kernel, some, points, noise_of(logs), passes)
-    before = best = _or_diverged(log_likelihood(linear, noise_of(logs)))
+    before = _or_diverged(sum(f.log_likelihood for f in passes))
     if line_searches:
+        best = _or_diverged(log_likelihood(linear, noise_of(logs)))
         for i in range(len(logs)):
             logs, best = _parabolic_step(
                 lambda x: _or_diverged(log_likelihood(linear, noise_of(x))), logs, best, i, width
@@ -118,7 +119,8 @@ def _log_gradient(kernel: CompiledSystem, noise: Noise, slopes: NoiseGradient) -
         slope = float(np.sum(slopes.tau[states] * noise.tau[states] - 0.5 * own[states]))
         below, above = noise.tau[k] < parameter.upper, noise.tau[k] > parameter.lower
         tau[k] = slope if (below or slope < 0) and (above or slope > 0) else 0.0
-    scale = np.where(noise.scale > noise.least_scale, slopes.scale * noise.scale, 0.0)
+    inside = (noise.scale > noise.least_scale) | (slopes.scale > 0)
+    scale = np.where(inside, slopes.scale * noise.scale, 0.0)
     return np.concatenate([own, tau, scale])
 
 

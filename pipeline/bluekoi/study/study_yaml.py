@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
 import yaml
 from pydantic import ValidationError
 
+from ..data.unique_yaml import load_yaml_without_duplicates
 from ..errors import Finding, unreadable_reason
 from ..files import read_text
 from .setup import Setup
@@ -16,28 +16,6 @@ from .validation_messages import findings_from_validation_error, shortened_repr
 
 MAX_YAML_BYTES = 250_000
 READ_ERRORS = (OSError, UnicodeDecodeError, yaml.YAMLError, ValueError, RecursionError)
-
-
-class _UniqueKeyLoader(yaml.SafeLoader):
-    """Plain yaml, in which a key stands once."""
-
-
-def _construct_mapping_without_duplicates(
-    loader: _UniqueKeyLoader, node: yaml.MappingNode
-) -> dict[Hashable, Any]:
-    names = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-    if len(set(names)) < len(names):
-        keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-        twice = next(key for i, key in enumerate(keys) if key.value in names[:i])
-        raise yaml.constructor.ConstructorError(
-            None, None, f"the key '{twice.value}' stands twice", twice.start_mark
-        )
-    return loader.construct_mapping(node, deep=True)
-
-
-_UniqueKeyLoader.add_constructor(
-    yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _construct_mapping_without_duplicates
-)
 
 
 def read_setup(path: Path, findings: list[Finding]) -> Setup | None:
@@ -65,8 +43,7 @@ def lacks_pool_corners(path: Path) -> bool:
 
 def _yaml_content(path: Path, findings: list[Finding]) -> dict[str, Any] | None:
     try:
-        # A subclass of SafeLoader: plain values only, no Python objects.
-        content = yaml.load(read_text(path, MAX_YAML_BYTES), _UniqueKeyLoader)  # noqa: S506
+        content = load_yaml_without_duplicates(read_text(path, MAX_YAML_BYTES))
     except FileNotFoundError:
         other = path.with_suffix(".yml")
         remedy = f"Rename {other.name} to {path.name}." if other.is_file() else ""

@@ -1,0 +1,88 @@
+"""What a fit says of the recordings: errors far above the stated ones, one trial unlike the others,
+a force that is only an input in another unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..data import Float
+from ..engine import FittedSet, ScoredSet
+from ..fitting import MAX_OVERDISPERSION
+from .preparation import Prepared
+
+MAX_ERROR_OVER_STATED = 10.0
+"""Estimated over stated errors of an observation above which the report warns."""
+MIN_DEVIATING_SHARE = 0.5
+"""Share of one trial in the variation between trials, above which it is named."""
+
+
+def overdispersion_sentences(best: ScoredSet) -> list[str]:
+    """A sentence where the trials disagree, with the trial that deviates if it is one."""
+    if (c := best.overdispersion) <= MAX_OVERDISPERSION:
+        return []
+    one = deviating_trial(best.model)
+    most = (
+        f"Most of it comes from {one}: is its input, its sign or its clock another than in the "
+        "other trials?"
+        if one
+        else "Something is missing that no candidate describes."
+    )
+    return [
+        f"Parameters vary between trials {c:.1f} times more (in variance) than their standard "
+        f"errors allow. {most}"
+    ]
+
+
+def deviating_trial(model: FittedSet) -> str:
+    """Name of the trial whose score g' H^-1 g is more than half of the sum over trials, or none."""
+    normal, move = model.fit.normal, ~model.at_bound
+    if not move.any():
+        return ""
+    g = normal.gradient[:, move]
+    H = normal.hessian.sum(axis=0)[np.ix_(move, move)]
+    scores = np.einsum("ti,ij,tj->t", g, np.linalg.pinv(H), g)
+    if not (scores.sum() > 0 and np.isfinite(scores).all()):
+        return ""
+    k = int(np.argmax(scores))
+    names = [s.name for s in model.passes.series]
+    return names[k] if scores[k] > MIN_DEVIATING_SHARE * scores.sum() else ""
+
+
+def error_sentences(ready: Prepared, model: FittedSet) -> list[str]:
+    """A sentence for each observation whose estimated errors are far larger than the stated ones:
+    white noise and errors that last together.
+    """
+    observations = ready.model.observations
+    lasting = model.noise.disturbance[-len(observations) :]
+    ratios = np.hypot(model.noise.scale, lasting / _stated_std(ready))
+    return [
+        f"The errors of {o.name} are estimated as {ratio:.0f} times the stated ones (std "
+        f"{o.std:.3g} {o.unit}). Is std the accuracy of the instrument, and are there outliers, "
+        "codes for missing values, or a trial in another unit or of another sign?"
+        for o, ratio in zip(observations, ratios, strict=True)
+        if ratio > MAX_ERROR_OVER_STATED
+    ]
+
+
+def _stated_std(ready: Prepared) -> Float:
+    """Stated standard deviation (observations,) at the rate of the fit."""
+    variances = [np.diagonal(s.noise, axis1=1, axis2=2).mean(axis=0) for s in ready.problem.series]
+    return np.asarray(np.sqrt(np.median(variances, axis=0)))
+
+
+def input_term_sentences(ready: Prepared, causes: Sequence[str]) -> list[str]:
+    """A sentence for each residual term that is linear in an input, as one of a wrong unit is."""
+    inputs = {i.name for i in ready.model.inputs}
+    out = []
+    for name in causes:
+        term = ready.problem.by_name[name]
+        for _, variable in sorted(term.sources) if term.is_residual else ():
+            if variable in inputs and name.endswith("_linear"):
+                out.append(
+                    f"{name} is in proportion to the input {variable}: check the unit and the sign "
+                    "of its column, or the force that the model makes of it."
+                )
+    return out

@@ -21,7 +21,8 @@ from bluekoi.errors import InputError
 from bluekoi.explain import Model, Observation, Trial, load_model, read_trials
 from bluekoi.explain.checks import checked_model
 from bluekoi.explain.feedback import explained_by_innovations
-from bluekoi.explain.trials import time_unit_warnings, validated_trials
+from bluekoi.explain.recording_warnings import time_unit_warnings
+from bluekoi.explain.trials import validated_trials
 
 CART = Path(__file__).parent / "cart_model.py"
 MODEL = load_model(CART)

@@ -13,7 +13,12 @@ from bluekoi.explain import Stage, Trial, load_model, read_trials
 from bluekoi.explain.diagnosis import divergence_error, reporting_compiler_errors
 from bluekoi.explain.numbers import Number, at_bound_sentences
 from bluekoi.explain.prediction import Run, runaway_sentences
-from bluekoi.explain.trials import time_unit_warnings, validated_trials, warnings_of
+from bluekoi.explain.recording_warnings import (
+    stuck_sentences,
+    time_unit_warnings,
+    warnings_of,
+)
+from bluekoi.explain.trials import validated_trials
 
 MODEL = load_model(Path(__file__).parent / "cart_model.py")
 TIMES = 0.05 * np.arange(60)
@@ -153,3 +158,67 @@ def test_the_equation_that_does_not_compile_is_named():
         raise ValueError("could not convert")
     with pytest.raises(ZeroDivisionError), reporting_compiler_errors(MODEL):
         raise ZeroDivisionError
+
+
+def stuck(x: np.ndarray) -> list[str]:
+    return stuck_sentences("position", TIMES_20_HZ, x)
+
+
+TIMES_20_HZ = 0.05 * np.arange(400)
+SWING = np.sin(1.3 * TIMES_20_HZ) + 1e-4 * np.random.default_rng(0).normal(size=400)
+
+
+def test_a_saturated_sensor_is_a_warning():
+    (text,) = stuck(np.clip(SWING, -0.6, 0.6))
+    assert text.startswith("position stops at 0.6 from")
+    assert "and elsewhere while it moves: does the sensor saturate" in text
+
+
+def test_a_value_that_stands_for_nothing_seen_is_a_warning():
+    x = SWING + 2.0
+    x[100:120] = 0.0
+    (text,) = stuck(x)
+    assert text.startswith("position stops at 0 from 5 to 5.95 s while it moves")
+
+
+@pytest.mark.parametrize(
+    "x",
+    [SWING, np.round(SWING, 2), np.round(0.05 * SWING, 3),
+     np.clip(np.cumsum(np.repeat([1.0, 0.5, 0.2, 0.05, 0.0], 80)), 0, None)],
+    ids=["moving", "coarse encoder", "coarse encoder, slow", "comes to rest"],
+)  # fmt: skip
+def test_quantised_and_resting_motion_is_no_stuck_sensor(x):
+    assert stuck(x) == []
+
+
+def test_a_warning_that_holds_for_many_trials_names_three_of_them():
+    x, push = np.clip(SWING, -0.6, 0.6), {"push": np.cos(TIMES_20_HZ)}
+    trials = [Trial(f"r{k}", TIMES_20_HZ, {"position": x + 0.001 * k}, push) for k in range(9)]
+    texts = [w for w in warnings_of(MODEL, trials) if "position stops" in w or "further" in w]
+    assert [w[:3] for w in texts] == ["r0:", "r1:", "r2:", "The"]
+    assert texts[-1] == "The same in 6 further trials."
+
+
+def test_times_in_groups_are_a_warning():
+    times = np.floor(TIMES / 0.5) * 0.5 + 1e-6 * np.arange(60)
+    (text,) = (w for w in warnings_of(MODEL, [replace(cart_trial(), times=times)]) if "groups" in w)
+    assert text.startswith("a: times come in groups: most samples are 1e-06 s apart")
+
+
+def test_trials_shorter_than_the_model_s_time_constant_are_a_warning():
+    (text,) = time_unit_warnings([replace(cart_trial(), times=0.01 * TIMES)], 1.0)
+    assert text.endswith("check the unit of time, or record for longer.")
+    assert time_unit_warnings([cart_trial()], 1.0) == []
+
+
+def test_an_equation_that_has_no_real_value_is_named():
+    def root_drag(v: float, c: float) -> tuple[float]:
+        return (-c * v**0.5,)
+
+    stages = (Stage("force", ("F",), root_drag, open=True), *MODEL.stages[1:])
+    error = divergence_error(replace(MODEL, stages=stages), [cart_trial()])
+    assert "root_drag" in str(error) or "runs away" in str(error)
+    states = (MODEL.states[0], replace(MODEL.states[1], rate_of="position"))
+    error = divergence_error(replace(MODEL, stages=stages, states=states), [cart_trial()])
+    assert "stage force: root_drag: found" in str(error)
+    assert "at v = -" in str(error)

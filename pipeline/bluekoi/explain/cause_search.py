@@ -44,8 +44,9 @@ from .fit_quality import error_sentences, input_term_sentences, overdispersion_s
 from .model import Model
 from .numbers import Number, at_bound_sentences, fitted_numbers, undetermined_sentences
 from .preparation import Prepared, prepare, step_error_and_warning
+from .recording_warnings import warnings_of
 from .sampling import averaged_to_rate
-from .trials import HELD_OUT_ROLE, Trial, series_of, validated_trials, warnings_of
+from .trials import HELD_OUT_ROLE, Trial, series_of, validated_trials
 
 MAX_RANDOM_FORCE_SHARE = 0.5
 """Random force with the named causes over that without, above which the report warns."""

@@ -67,7 +67,7 @@ def _first_nonfinite_equation(model: Model, given: dict[str, float]) -> tuple[st
             where = f"stage {stage.name}: {stage.function.__name__}"
             try:
                 values = stage.function(**own)
-                bad = not all(np.isfinite(values))
+                bad = any(isinstance(v, complex) or not np.isfinite(v) for v in values)
             except (ArithmeticError, ValueError, TypeError) as error:
                 return where, f"{type(error).__name__}: {error}, at {at}"
             if bad:

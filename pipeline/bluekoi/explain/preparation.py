@@ -16,10 +16,11 @@ from ..fitting.filtering import disturbance_slots
 from ..integrate import CompiledSystem, compiled
 from .diagnosis import divergence_error
 from .model import Model
+from .recording_warnings import time_unit_warnings
 from .sampling import MIN_SAMPLES_PER_BLOCK, block_rate_hz
 from .stepping import MAX_LOG_LIKELIHOOD_CHANGE, fastest_rates_per_s, longest_step_s, step_error
 from .system_assembly import AssembledSystem, assemble_system, scaled_variables
-from .trials import Trial, cut_trials, series_of_trials, time_unit_warnings
+from .trials import Trial, cut_trials, series_of_trials
 
 MIN_TRIALS, MIN_SEGMENTS, MIN_SEGMENT_FRAMES = 4, 4, 50
 """Fewer trials are cut into stretches, so many in all or more, of so many frames at least. Each cut

@@ -17,15 +17,9 @@ from .sampling import averaged_to_rate
 from .system_assembly import AssembledSystem, scale_names
 
 FIT_ROLE, HELD_OUT_ROLE, MIN_SAMPLES = "fit", "held_out", 3
-MAX_UNREPORTED_GAP_INTERVALS = 20.0
-"""A longer pause than this many usual sampling intervals is reported."""
 MAX_VALUE = 1e12
 MIN_JUMP_IN_DEGREES = 300.0
 """An angle in rad that jumps by more is one in degrees."""
-MAX_INTERVAL_RATIO, MIN_DURATION_RATIO, MIN_MODEL_RATE_PER_S = 10.0, 0.01, 0.05
-"""Sampling intervals longer and trials shorter than so many of the model's shortest time constants
-are reported (the fastest part of a model may fade within a sample and be right); models slower than
-1 / 20 s have no time constant to compare with."""
 
 
 @dataclass(frozen=True)
@@ -167,58 +161,6 @@ def _with_unwrapped_angles(model: Model, trial: Trial) -> Trial:
     inputs = {i.name: np.array(trial.inputs[i.name], dtype=float) for i in model.inputs}
     return replace(trial, times=np.array(trial.times, dtype=float), observed=observed,
                    inputs=inputs, condition=trial.condition or trial.name)  # fmt: skip
-
-
-def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
-    """Sentences on what is unusual in trials but may be right."""
-    out = []
-    for t in trials:
-        steps = np.diff(t.times)
-        usual = float(np.median(steps))
-        if steps.max() > MAX_UNREPORTED_GAP_INTERVALS * usual:
-            at = t.times[steps.argmax()]
-            out.append(
-                f"{t.name}: a gap of {steps.max():.3g} s at {at:.3g} s; "
-                f"samples are {usual:.3g} s apart. Inputs over the gap are not known."
-            )
-        for name, column in t.observed.items():
-            known = column[np.isfinite(column)]
-            if np.ptp(known) == 0:
-                out.append(f"{t.name}: {name} does not change.")
-    for i in model.inputs:
-        columns = [t.inputs[i.name] for t in trials]
-        changed = np.concatenate([np.diff(c) for c in columns])
-        if np.ptp(level := np.concatenate(columns)) == 0:
-            more = "" if level[0] else "; right column?"
-            out.append(f"Input {i.name} is {level[0]:g} throughout: how forces depend on it is not "
-                       f"determined{more}.")  # fmt: skip
-        if not i.held and _is_stepwise(changed):
-            out.append(f"Input {i.name} changes in steps; if it was held between samples, declare "
-                       "it held=True in the model.")  # fmt: skip
-    return out
-
-
-def time_unit_warnings(trials: Sequence[Trial], rate_per_s: float) -> list[str]:
-    """A warning that the trials' unit of time may be wrong: where the sampling interval or the
-    duration does not suit a model whose shortest time constant is 1 / rate.
-    """
-    interval = float(np.median([np.median(np.diff(t.times)) for t in trials]))
-    longest = max(float(np.ptp(t.times)) for t in trials)
-    about = f"the model's shortest time constant is {1.0 / max(rate_per_s, 1e-9):.3g} s: check the "
-    if interval * rate_per_s > MAX_INTERVAL_RATIO:
-        return [f"Samples are {interval:.3g} s apart and {about}unit of time."]
-    if longest * rate_per_s < MIN_DURATION_RATIO and rate_per_s > MIN_MODEL_RATE_PER_S:
-        return [f"The longest trial lasts {longest:.3g} s and {about}unit of time."]
-    return []
-
-
-def _is_stepwise(changes: Float) -> bool:
-    """Whether an input rests most of the time and changes in few jumps."""
-    moving = np.abs(changes) > 1e-12 * max(np.abs(changes).max(initial=0.0), 1e-300)
-    beside = np.zeros(len(moving), dtype=bool)
-    beside[1:] |= moving[:-1]
-    beside[:-1] |= moving[1:]
-    return bool(moving.any() and moving.mean() < 0.2 and (moving & beside).sum() < moving.sum() / 2)
 
 
 def series_of_trials(

@@ -31,5 +31,6 @@ def conversion_factor(given: str, wanted: str, file: str, where: str) -> float:
     if base != target:
         fitting = [wanted, *(u for u, (b, _) in SI_FACTORS.items() if b == target)]
         raise input_error(file, where, f"unit '{given}'", f"a unit of '{wanted}'",
-                          f"Known: {', '.join(dict.fromkeys(fitting))}.")  # fmt: skip
+                          f"Known: {', '.join(dict.fromkeys(fitting))}. '{wanted}' is the unit "
+                          "in MODEL.")  # fmt: skip
     return own / theirs

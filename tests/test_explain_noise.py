@@ -16,6 +16,7 @@ from bluekoi.explain import Parameter, Trial, explain, load_model
 from bluekoi.explain.fit_quality import MAX_ERROR_OVER_STATED
 from bluekoi.explain.preparation import prepare, with_correlation_over_a_frame
 from bluekoi.explain.results_json import verdict_sentence
+from bluekoi.explain.trials import cut_at_gaps
 from bluekoi.fitting import Noise
 from bluekoi.fitting.linear import NoiseGradient
 from bluekoi.fitting.noise import _log_gradient
@@ -160,3 +161,37 @@ def test_no_candidate_left_and_recordings_of_the_fit_are_noted(tmp_path):
     assert found.exit_code == 0, found.output
     assert "Note: No candidate cause was tested" in found.output
     assert "their errors are no predictions" in found.output
+
+
+def with_gap(trial: Trial, first_s: float, last_s: float) -> Trial:
+    kept = (trial.times < first_s) | (trial.times >= last_s)
+    return replace(
+        trial,
+        times=trial.times[kept],
+        observed={n: c[kept] for n, c in trial.observed.items()},
+        inputs={n: c[kept] for n, c in trial.inputs.items()},
+    )
+
+
+def test_a_gap_in_the_inputs_does_not_spoil_the_other_trials():
+    trials = cart_trials()
+    trials[1] = with_gap(trials[1], 2.0, 6.0)
+    parts = cut_at_gaps(MODEL, trials)
+    assert [t.name for t in parts] == ["r0", "r1/1", "r1/2", "r2", "r3"]
+    assert [t.condition for t in parts[1:3]] == ["r1", "r1"]
+    assert [len(t.times) for t in parts[1:3]] == [50, 50]
+    found = explain(MODEL, trials)
+    assert [c.name for c in found.named] == ["quadratic_drag"]
+    assert any(w.startswith("r1: a gap of") and w.endswith("fitted apart.") for w in found.warnings)
+
+
+def test_a_gap_without_inputs_is_not_cut():
+    free = replace(MODEL, inputs=())
+    trials = [with_gap(t, 2.0, 6.0) for t in cart_trials(1)]
+    assert cut_at_gaps(free, trials) == trials
+
+
+def test_errors_far_smaller_than_stated_are_a_warning():
+    rough = replace(MODEL, observations=(replace(MODEL.observations[0], std=0.5),))
+    found = explain(rough, cart_trials(4, 4.0))
+    assert any(w.startswith("The stated std of position, 0.5 m, is") for w in found.warnings)

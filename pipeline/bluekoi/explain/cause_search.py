@@ -46,7 +46,7 @@ from .numbers import Number, at_bound_sentences, fitted_numbers, undetermined_se
 from .preparation import Prepared, prepare, step_error_and_warning
 from .recording_warnings import warnings_of
 from .sampling import averaged_to_rate
-from .trials import HELD_OUT_ROLE, Trial, series_of, validated_trials
+from .trials import HELD_OUT_ROLE, Trial, cut_at_gaps, series_of, validated_trials
 
 MAX_RANDOM_FORCE_SHARE = 0.5
 """Random force with the named causes over that without, above which the report warns."""
@@ -118,7 +118,8 @@ def explain(
     Raises: InputError for a model, a trial or a name that cannot be used, naming it.
     """
     checked_model(model)
-    given = validated_trials(model, trials)
+    whole = validated_trials(model, trials)
+    given = cut_at_gaps(model, whole)
     names = requested_causes(model, candidates, without)
     for one in compare:
         requested_causes(
@@ -146,7 +147,7 @@ def explain(
     test = test_series(ready, [t for t in given if t.role == HELD_OUT_ROLE])
     errors = compare_held_out(model, problem, bare.model, final, test)
     base = fitted_numbers(problem.kernel, bare.model)
-    warnings = _warnings(ready, given, best, bare, own=own, base=base)
+    warnings = _warnings(ready, whole, best, bare, own=own, base=base)
     return CauseSearchResult(
         ready, found, verdict_of(model, named, chosen.unexplained), tuple(named), gains,
         chosen.unexplained,

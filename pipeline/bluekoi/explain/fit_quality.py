@@ -15,6 +15,10 @@ from .preparation import Prepared
 
 MAX_ERROR_OVER_STATED = 10.0
 """Estimated over stated errors of an observation above which the report warns."""
+MIN_INNOVATION_SQUARE = 0.1
+"""Mean square of the whitened prediction errors, 1 if the stated errors are right, below which the
+report warns.
+"""
 MIN_DEVIATING_SHARE = 0.5
 """Share of one trial in the variation between trials, above which it is named."""
 
@@ -58,7 +62,14 @@ def error_sentences(ready: Prepared, model: FittedSet) -> list[str]:
     observations = ready.model.observations
     lasting = model.noise.disturbance[-len(observations) :]
     ratios = np.hypot(model.noise.scale, lasting / _stated_std(ready))
+    squares = np.concatenate([f.innovations**2 for f in model.passes if len(f.innovations)])
+    small = np.nanmean(np.where(squares > 0, squares, np.nan), axis=0) < MIN_INNOVATION_SQUARE
     return [
+        f"The stated std of {o.name}, {o.std:.3g} {o.unit}, is several times larger than its "
+        "errors in the recordings; effects smaller than it stay hidden."
+        for o, flag in zip(observations, small, strict=True)
+        if flag
+    ] + [
         f"The errors of {o.name} are estimated as {ratio:.0f} times the stated ones (std "
         f"{o.std:.3g} {o.unit}). Is std the accuracy of the instrument, and are there outliers, "
         "codes for missing values, or a trial in another unit or of another sign?"

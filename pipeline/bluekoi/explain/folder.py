@@ -77,7 +77,13 @@ def _read_data_yaml(path: Path) -> dict[str, Any]:
         raise input_error(path, "", found_text, "a yaml file in UTF-8") from None
     except yaml.YAMLError as error:
         tab = "Indent by spaces, not by tabs." if "'\\t'" in str(error) else ""
-        raise input_error(path, "", " ".join(str(error).split()), "a yaml file", tab) from None
+        raise input_error(
+            path,
+            "",
+            " ".join(str(error).replace('"<unicode string>", ', "").split()),
+            "a yaml file",
+            tab,
+        ) from None
     if not isinstance(found, dict):
         raise input_error(path, "", type(found).__name__, f"keys {', '.join(DATA_KEYS)}")
     _check_keys(found, DATA_KEYS, path, "")

@@ -13,6 +13,8 @@ from ..errors import Finding
 if TYPE_CHECKING:
     from .trials import Trial
 
+MAX_UNREPORTED_GAP_INTERVALS = 20.0
+"""A longer pause than this many usual sampling intervals is reported."""
 MIN_SPIKE_DISTANCE_RANGES, MIN_SPIKE_SAMPLES = 10.0, 20
 """A single sample that lies further from both its neighbours than so many times the range of all
 others is no measurement; asked of columns with so many samples."""

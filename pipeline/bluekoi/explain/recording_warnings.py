@@ -9,15 +9,20 @@ import numpy as np
 
 from ..data import Float
 from .model import Model
-from .recording_faults import MIN_SPIKE_DISTANCE_RANGES, MIN_SPIKE_SAMPLES
+from .recording_faults import (
+    MAX_UNREPORTED_GAP_INTERVALS,
+    MIN_SPIKE_DISTANCE_RANGES,
+    MIN_SPIKE_SAMPLES,
+)
 
 if TYPE_CHECKING:
     from .trials import Trial
 
+GAP_IN_INPUTS = (
+    " Inputs over the gap are not known: the parts before and after it are fitted apart."
+)
 MAX_SENTENCES_OF_A_KIND = 3
 """How many trials are named for one fault."""
-MAX_UNREPORTED_GAP_INTERVALS = 20.0
-"""A longer pause than this many usual sampling intervals is reported."""
 MIN_USUAL_STEP_SHARE = 0.1
 """Median over mean sampling interval below which the times of a recording come in groups."""
 MAX_INTERVAL_RATIO, MIN_DURATION_RATIO, MIN_MODEL_RATE_PER_S = 10.0, 0.5, 0.05
@@ -44,7 +49,8 @@ def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
             at = t.times[steps.argmax()]
             gaps.append(
                 f"{t.name}: a gap of {steps.max():.3g} s at {at:.3g} s; "
-                f"samples are {usual:.3g} s apart. Inputs over the gap are not known."
+                f"samples are {usual:.3g} s apart."
+                f"{GAP_IN_INPUTS if model.inputs else ''}"
             )
         for name, column in t.observed.items():
             known = column[np.isfinite(column)]

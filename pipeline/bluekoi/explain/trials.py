@@ -12,11 +12,13 @@ from ..data import Float
 from ..errors import Finding, InputError, did_you_mean, input_error
 from ..fitting import Series
 from .model import Model
-from .recording_faults import duplicate_recordings, spike_findings
+from .recording_faults import MAX_UNREPORTED_GAP_INTERVALS, duplicate_recordings, spike_findings
 from .sampling import averaged_to_rate
 from .system_assembly import AssembledSystem, scale_names
 
 FIT_ROLE, HELD_OUT_ROLE, MIN_SAMPLES = "fit", "held_out", 3
+MIN_PART_SAMPLES = 8
+"""Samples of a part between gaps from which its initial state can be estimated."""
 MAX_VALUE = 1e12
 MIN_JUMP_IN_DEGREES = 300.0
 """An angle in rad that jumps by more is one in degrees."""
@@ -225,6 +227,35 @@ def level_and_slope(times: Float, values: Float) -> tuple[float, float]:
     return float(level), float(slope)
 
 
+def cut_at_gaps(model: Model, trials: Sequence[Trial]) -> list[Trial]:
+    """Trials cut where the inputs are not known for many sampling intervals: what they did in a
+    gap would be taken for known. The parts keep their condition; too short ones are left out.
+    """
+    out = []
+    for t in trials:
+        steps = np.diff(t.times)
+        gaps = np.flatnonzero(steps > MAX_UNREPORTED_GAP_INTERVALS * np.median(steps)) + 1
+        edges = [0, *gaps.tolist(), len(t.times)] if model.inputs else [0, len(t.times)]
+        parts = [(a, b) for a, b in pairwise(edges) if b - a >= MIN_PART_SAMPLES]
+        if len(edges) == 2 or not parts:
+            out.append(t)
+            continue
+        out += [
+            _part_of_trial(t, a, b, name=f"{t.name}/{k + 1}", condition=t.condition or t.name)
+            for k, (a, b) in enumerate(parts)
+        ]
+    return out
+
+
+def _part_of_trial(t: Trial, a: int, b: int, *, name: str, condition: str) -> Trial:
+    """Samples a to b of a trial; where they begin is known only at its first sample."""
+    return replace(
+        t, name=name, condition=condition, start=t.start if a == 0 else {}, times=t.times[a:b],
+        observed={n: c[a:b] for n, c in t.observed.items()},
+        inputs={n: c[a:b] for n, c in t.inputs.items()},
+    )  # fmt: skip
+
+
 def cut_trials(trials: Sequence[Trial], count: int) -> list[Trial]:
     """Trials cut into stretches of equal duration, `count` of each, all of them conditions of their
     own: one long recording gives no other way to see how numbers vary.
@@ -234,9 +265,5 @@ def cut_trials(trials: Sequence[Trial], count: int) -> list[Trial]:
         edges = np.linspace(0, len(t.times), count + 1).astype(int)
         for k, (a, b) in enumerate(pairwise(edges)):
             name = f"{t.name}/{k + 1}"
-            out.append(replace(
-                t, name=name, condition=name, start=t.start if k == 0 else {}, times=t.times[a:b],
-                observed={n: c[a:b] for n, c in t.observed.items()},
-                inputs={n: c[a:b] for n, c in t.inputs.items()},
-            ))  # fmt: skip
+            out.append(_part_of_trial(t, a, b, name=name, condition=name))
     return out

@@ -164,7 +164,8 @@ def _damped_steps(products: Float, damping: Float, states: int) -> Float:
 
 def _position_rmse(series: Series, observed: Float) -> float:
     error = series.seen[:, :2] - observed[: len(series.times), :2]
-    square = np.sum(error**2, axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):  # a run that goes away
+        square = np.sum(error**2, axis=1)
     return (
         float(np.sqrt(np.mean(square[np.isfinite(square)])))
         if np.isfinite(square).any()

@@ -558,3 +558,14 @@ def test_an_image_size_that_does_not_go_with_the_matrix_is_a_warning(study_with_
     larger = camera.model_copy(update={"image_size_px": (2 * width, 2 * height)})
     (text,) = setup_warnings(study.setup.model_copy(update={"camera": larger}))
     assert "25 % of the picture from the middle" in text
+
+
+def test_check_says_where_nothing_can_check_the_frame_rate(tmp_path):
+    study = small_study(tmp_path / "study")
+    assert "nothing can check fps" not in CliRunner().invoke(main, ["check", str(study)]).output
+    edit_trials_csv(
+        study, **{name: {"motor_log": "", "flap_hz": ""} for name in ("T09", "T10", "T11")}
+    )
+    found = CliRunner().invoke(main, ["check", str(study)])
+    assert found.exit_code == 0, found.output
+    assert "No trial has a motor_log or flap_hz: nothing can check fps." in found.output

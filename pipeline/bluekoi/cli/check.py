@@ -25,6 +25,11 @@ FILMED_NOTE = (
     "what does not agree."
 )
 
+NO_CLOCK_NOTE = (
+    "No trial has a motor_log or flap_hz: nothing can check fps. A frame rate that is wrong by a "
+    "factor of two makes all speeds wrong by that factor, without a message."
+)
+
 
 @click.command()
 @click.argument("study", type=StudyName(path_type=Path))
@@ -73,3 +78,6 @@ def check(study: Path) -> None:
     )
     if filmed:
         click.echo(FILMED_NOTE)
+    unclocked = sum(t.motor_log is None and t.flap_hz is None for t in loaded.trials)
+    if unclocked == len(loaded.trials):
+        click.echo(NO_CLOCK_NOTE)

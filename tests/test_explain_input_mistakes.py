@@ -222,3 +222,11 @@ def test_an_equation_that_has_no_real_value_is_named():
     error = divergence_error(replace(MODEL, stages=stages, states=states), [cart_trial()])
     assert "stage force: root_drag: found" in str(error)
     assert "at v = -" in str(error)
+
+
+def test_a_code_that_fills_a_second_is_refused():
+    x = SWING.copy()
+    x[100:120] = -999.0
+    trial = Trial("a", TIMES_20_HZ, {"position": x}, {"push": np.cos(TIMES_20_HZ)})
+    with pytest.raises(InputError, match=r"position, sample 100: found -999; .* Leave the cell"):
+        validated_trials(MODEL, [trial])

@@ -48,6 +48,9 @@ def spike_findings(file: str, name: str, column: Float) -> list[Finding]:
     x = column[rows]
     if len(x) < MIN_SPIKE_SAMPLES:
         return []
+    if (code := _repeated_code(x)) is not None:
+        k = int(np.flatnonzero(x == code)[0])
+        return [_spike_finding(file, name, int(rows[k]), code, x[x != code])]
     step = np.diff(x)
     out_and_back = step[:-1] * step[1:] < 0.0
     size = np.where(out_and_back, np.minimum(np.abs(step[:-1]), np.abs(step[1:])), 0.0)
@@ -57,6 +60,22 @@ def spike_findings(file: str, name: str, column: Float) -> list[Finding]:
     if not (rest > 0.0 and len(spikes)):
         return []
     k = int(spikes[0])
-    return [Finding(file, f"{name}, sample {rows[k]}", f"{x[k]:g}",
-                    f"a value near the others, {x[~far].min():g} to {x[~far].max():g}",
-                    "Leave the cell empty where nothing was seen.")]  # fmt: skip
+    return [_spike_finding(file, name, int(rows[k]), float(x[k]), x[~far])]
+
+
+def _spike_finding(file: str, name: str, sample: int, value: float, others: Float) -> Finding:
+    return Finding(file, f"{name}, sample {sample}", f"{value:g}",
+                   f"a value near the others, {others.min():g} to {others.max():g}",
+                   "Leave the cell empty where nothing was seen.")  # fmt: skip
+
+
+def _repeated_code(x: Float) -> float | None:
+    """A value that stands several times, to the last digit, far beyond the range of all others."""
+    for value in (float(x.min()), float(x.max())):
+        others = x[x != value]
+        if len(x) - len(others) < 2 or len(others) < MIN_SPIKE_SAMPLES:
+            continue
+        beyond = max(others.min() - value, value - others.max())
+        if beyond > MIN_SPIKE_DISTANCE_RANGES * np.ptp(others) > 0:
+            return value
+    return None

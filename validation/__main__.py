@@ -151,9 +151,17 @@ def noise_starts(folder: Path, only: str) -> None:
 @main.command("calibration-slope")
 def calibration_slope() -> None:
     """Estimate the slope of the stated probabilities from validation/results."""
-    from .calibration_slope import names_of, slope_report  # noqa: PLC0415  as the other measurements
+    from .calibration_slope import (  # noqa: PLC0415  as the other measurements
+        estimation_runs,
+        fitted_slope,
+        names_of,
+        slope_report,
+    )
 
-    click.echo(slope_report(names_of(report.load_runs())))
+    runs = report.load_runs()
+    every = names_of(runs)
+    click.echo(slope_report(names_of(estimation_runs(runs))))
+    click.echo(f"slope of all {len(every.true)} recorded names: {fitted_slope(every):.2f}")
 
 
 @main.command()

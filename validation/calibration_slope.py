@@ -37,6 +37,13 @@ class Names:
         return Names(self.generator[chosen], self.log_odds[chosen], self.true[chosen])
 
 
+def estimation_runs(runs: Sequence[Run]) -> list[Run]:
+    """Runs from which the slope is estimated: those that stated posterior probabilities. Runs that
+    stated calibrated ones had the slope already and are its test.
+    """
+    return [run for run in runs if run.slope == 1.0]
+
+
 def names_of(runs: Sequence[Run]) -> Names:
     """All named causes of runs. A run with stated probabilities keeps its slope (`slope`)."""
     rows = [

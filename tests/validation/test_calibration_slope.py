@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from bluekoi.engine.calibration import CALIBRATION_SLOPE, MAX_POSTERIOR, calibrated_probability
 from validation import report
 from validation.calibration_slope import (
+    estimation_runs,
     Names,
     fitted_slope,
     left_out_log_scores,
@@ -37,10 +38,17 @@ def test_the_slope_behind_simulated_names_is_recovered(slope):
 
 
 def test_the_slope_of_the_finder_is_that_of_the_recorded_verdicts():
-    names = names_of(report.load_runs())
+    names = names_of(estimation_runs(report.load_runs()))
     fitted, plain = left_out_log_scores(names)
     assert pytest.approx(fitted_slope(names), abs=0.005) == CALIBRATION_SLOPE
     assert fitted > plain + 10.0
+
+
+def test_the_slope_of_verdicts_that_were_stated_with_it_is_within_its_interval():
+    runs = report.load_runs()
+    low, high = slope_interval(names_of(estimation_runs(runs)))
+    assert low < fitted_slope(names_of([r for r in runs if r.slope != 1.0])) < high
+    assert low < fitted_slope(names_of(runs)) < high
 
 
 def test_recorded_names_are_true_as_often_as_their_calibrated_probabilities_state():

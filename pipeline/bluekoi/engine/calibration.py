@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from .posterior import BOOTSTRAP_SAMPLES
 
 CALIBRATION_SLOPE = 0.36
-"""b, from 252 names in 207 studies of nine independent generators, each analysed before its truth
+"""b, from 227 names in 187 studies of nine independent generators, each analysed before its truth
 was looked at: `python -m validation calibration-slope` estimates it from validation/results."""
 MAX_POSTERIOR = 1.0 - 0.5 / BOOTSTRAP_SAMPLES
 """Resolution of an average over bootstrap samples; a probability nearer to 1 counts as this one."""

@@ -11,8 +11,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from bluekoi.engine.calibration import CALIBRATION_SLOPE, MAX_POSTERIOR, calibrated_probability
 from validation import report
 from validation.calibration_slope import (
-    estimation_runs,
     Names,
+    estimation_runs,
     fitted_slope,
     left_out_log_scores,
     names_of,

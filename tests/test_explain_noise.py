@@ -185,6 +185,15 @@ def test_a_gap_in_the_inputs_does_not_spoil_the_other_trials():
     assert any(w.startswith("r1: a gap of") and w.endswith("fitted apart.") for w in found.warnings)
 
 
+def test_times_in_packets_are_not_cut_and_a_measurement_of_a_whole_trial_counts_once():
+    (trial,) = cart_trials(1)
+    packets = 0.5 * np.floor(trial.times / 0.5) + 1e-6 * np.arange(len(trial.times))
+    grouped = replace(trial, times=packets)
+    assert cut_at_gaps(MODEL, [grouped]) == [grouped]
+    measured = replace(with_gap(trial, 2.0, 6.0), evidence={"mass": (1.0, 0.1)})
+    assert [t.evidence for t in cut_at_gaps(MODEL, [measured])] == [{"mass": (1.0, 0.1)}, {}]
+
+
 def test_a_gap_without_inputs_is_not_cut():
     free = replace(MODEL, inputs=())
     trials = [with_gap(t, 2.0, 6.0) for t in cart_trials(1)]

@@ -8,10 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..data import Float
 from ..engine import FittedSet, ScoredSet
 from ..fitting import MAX_OVERDISPERSION
-from .preparation import Prepared
+from .preparation import Prepared, stated_std
 
 MAX_ERROR_OVER_STATED = 10.0
 """Estimated over stated errors of an observation above which the report warns."""
@@ -61,7 +60,7 @@ def error_sentences(ready: Prepared, model: FittedSet) -> list[str]:
     """
     observations = ready.model.observations
     lasting = model.noise.disturbance[-len(observations) :]
-    ratios = np.hypot(model.noise.scale, lasting / _stated_std(ready))
+    ratios = np.hypot(model.noise.scale, lasting / stated_std(ready.problem.series))
     squares = np.concatenate([f.innovations**2 for f in model.passes if len(f.innovations)])
     small = np.nanmean(np.where(squares > 0, squares, np.nan), axis=0) < MIN_INNOVATION_SQUARE
     return [
@@ -76,12 +75,6 @@ def error_sentences(ready: Prepared, model: FittedSet) -> list[str]:
         for o, ratio in zip(observations, ratios, strict=True)
         if ratio > MAX_ERROR_OVER_STATED
     ]
-
-
-def _stated_std(ready: Prepared) -> Float:
-    """Stated standard deviation (observations,) at the rate of the fit."""
-    variances = [np.diagonal(s.noise, axis1=1, axis2=2).mean(axis=0) for s in ready.problem.series]
-    return np.asarray(np.sqrt(np.median(variances, axis=0)))
 
 
 def input_term_sentences(ready: Prepared, causes: Sequence[str]) -> list[str]:

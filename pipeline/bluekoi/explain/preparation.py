@@ -16,6 +16,7 @@ from ..fitting.filtering import disturbance_slots
 from ..integrate import CompiledSystem, compiled
 from .diagnosis import divergence_error
 from .model import Model
+from .recording_faults import median_interval_s
 from .recording_warnings import time_unit_warnings
 from .sampling import MIN_SAMPLES_PER_BLOCK, block_rate_hz
 from .stepping import MAX_LOG_LIKELIHOOD_CHANGE, fastest_rates_per_s, longest_step_s, step_error
@@ -61,7 +62,7 @@ def prepare(
                         "one recording to another cannot be judged.")  # fmt: skip
     scales = variable_scales(model, trials)
     rate = fit_rate_hz(model, trials)
-    model = with_correlation_over_a_frame(model, max(1.0 / rate, _median_interval_s(trials)))
+    model = with_correlation_over_a_frame(model, max(1.0 / rate, median_interval_s(trials)))
     assembly = assemble_system(model, hold=not np.isfinite(rate))
     kernel = compiled(assembly.system)
     base, free = assembly.system.values({}), free_coefficients(model, trials)
@@ -97,10 +98,6 @@ def with_correlation_over_a_frame(model: Model, frame_s: float) -> Model:
         for start, lower, upper in (model.random_force_s, model.error_s)
     )
     return replace(model, random_force_s=force, error_s=error)
-
-
-def _median_interval_s(trials: Sequence[Trial]) -> float:
-    return float(np.median([np.median(np.diff(t.times)) for t in trials]))
 
 
 def _cut_few_trials(trials: Sequence[Trial]) -> tuple[Sequence[Trial], int]:
@@ -154,13 +151,19 @@ def fit_rate_hz(model: Model, trials: Sequence[Trial]) -> float:
     """
     samples = sum(len(t.times) for t in trials)
     seconds = sum(float(np.ptp(t.times)) for t in trials)
-    step = _median_interval_s(trials)
+    step = median_interval_s(trials)
     rate = np.inf
     if model.most_hz is not None and model.most_hz * step < 1.0:
         rate = model.most_hz
     elif samples > MAX_SAMPLES:
         rate = min(MAX_SAMPLES / seconds, 1.0 / (MIN_SAMPLES_PER_BLOCK * step))
     return block_rate_hz([t.times for t in trials], rate)
+
+
+def stated_std(series: Sequence[Series]) -> Float:
+    """Stated standard deviation (observations,) of trials: the median over them."""
+    variances = [np.diagonal(s.noise, axis1=1, axis2=2).mean(axis=0) for s in series]
+    return np.asarray(np.sqrt(np.median(variances, axis=0)))
 
 
 def initial_noise(kernel: CompiledSystem, series: Sequence[Series], base: Float) -> Noise | None:
@@ -172,8 +175,7 @@ def initial_noise(kernel: CompiledSystem, series: Sequence[Series], base: Float)
     every = [e for e in kernel.system.effects if e.kind == "disturbance"]
     tau = np.array([p.start for e in every for p in e.parameters[1:]])
     slots = disturbance_slots(kernel)
-    std = np.sqrt(np.median([np.diagonal(s.noise, axis1=1, axis2=2).mean(axis=0)
-                             for s in series], axis=0))  # fmt: skip
+    std = stated_std(series)
     points = [trial_values(kernel, base, (), np.zeros(0), s.group) for s in series]
 
     def noise(size: float) -> Noise:

@@ -15,9 +15,30 @@ if TYPE_CHECKING:
 
 MAX_UNREPORTED_GAP_INTERVALS = 20.0
 """A longer pause than this many usual sampling intervals is reported."""
+MIN_USUAL_STEP_SHARE = 0.1
+"""Median over mean sampling interval below which the times of a recording come in groups."""
 MIN_SPIKE_DISTANCE_RANGES, MIN_SPIKE_SAMPLES = 10.0, 20
 """A single sample that lies further from both its neighbours than so many times the range of all
 others is no measurement; asked of columns with so many samples."""
+
+
+def median_interval_s(trials: Sequence[Trial]) -> float:
+    """Usual sampling interval of trials."""
+    return float(np.median([np.median(np.diff(t.times)) for t in trials]))
+
+
+def come_in_groups(times: Float) -> bool:
+    """Whether most samples (n,) of a recording are far closer than they are on average."""
+    steps = np.diff(times)
+    return bool(np.median(steps) < MIN_USUAL_STEP_SHARE * steps.mean())
+
+
+def gaps(times: Float) -> np.ndarray:
+    """Samples before which a recording pauses; none where its times come in groups."""
+    steps = np.diff(times)
+    if come_in_groups(times):
+        return np.zeros(0, dtype=int)
+    return np.flatnonzero(steps > MAX_UNREPORTED_GAP_INTERVALS * np.median(steps)) + 1
 
 
 def duplicate_recordings(trials: Sequence[Trial]) -> list[Finding]:

@@ -10,9 +10,11 @@ import numpy as np
 from ..data import Float
 from .model import Model
 from .recording_faults import (
-    MAX_UNREPORTED_GAP_INTERVALS,
     MIN_SPIKE_DISTANCE_RANGES,
     MIN_SPIKE_SAMPLES,
+    come_in_groups,
+    gaps,
+    median_interval_s,
 )
 
 if TYPE_CHECKING:
@@ -23,8 +25,6 @@ GAP_IN_INPUTS = (
 )
 MAX_SENTENCES_OF_A_KIND = 3
 """How many trials are named for one fault."""
-MIN_USUAL_STEP_SHARE = 0.1
-"""Median over mean sampling interval below which the times of a recording come in groups."""
 MAX_INTERVAL_RATIO, MIN_DURATION_RATIO, MIN_MODEL_RATE_PER_S = 10.0, 0.5, 0.05
 """Sampling intervals longer and trials shorter than so many of the model's shortest time constants
 are reported (the fastest part of a model may fade within a sample and be right); models slower than
@@ -36,18 +36,18 @@ the step into it is this share of the usual step or more. A body that comes to r
 
 def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
     """Sentences on what is unusual in trials but may be right."""
-    gaps, still, stuck = [], [], []
+    pauses, still, stuck = [], [], []
     for t in trials:
         steps = np.diff(t.times)
         usual = float(np.median(steps))
-        if usual < MIN_USUAL_STEP_SHARE * steps.mean():
-            gaps.append(
+        if come_in_groups(t.times):
+            pauses.append(
                 f"{t.name}: times come in groups: most samples are {usual:.2g} s apart, on average "
                 f"{steps.mean():.2g} s. Were the times rounded, or sent in packets?"
             )
-        elif steps.max() > MAX_UNREPORTED_GAP_INTERVALS * usual:
+        elif len(gaps(t.times)):
             at = t.times[steps.argmax()]
-            gaps.append(
+            pauses.append(
                 f"{t.name}: a gap of {steps.max():.3g} s at {at:.3g} s; "
                 f"samples are {usual:.3g} s apart."
                 f"{GAP_IN_INPUTS if model.inputs else ''}"
@@ -57,7 +57,7 @@ def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
             if np.ptp(known) == 0:
                 still.append(f"{t.name}: {name} does not change.")
             stuck += [f"{t.name}: {text}" for text in stuck_sentences(name, t.times, column)]
-    out = [text for kind in (gaps, still, stuck) for text in _first_of(kind)]
+    out = [text for kind in (pauses, still, stuck) for text in _first_of(kind)]
     for i in model.inputs:
         columns = [t.inputs[i.name] for t in trials]
         changed = np.concatenate([np.diff(c) for c in columns])
@@ -75,7 +75,7 @@ def time_unit_warnings(trials: Sequence[Trial], rate_per_s: float) -> list[str]:
     """A warning that the trials' unit of time may be wrong: where the sampling interval or the
     duration does not suit a model whose shortest time constant is 1 / rate.
     """
-    interval = float(np.median([np.median(np.diff(t.times)) for t in trials]))
+    interval = median_interval_s(trials)
     longest = max(float(np.ptp(t.times)) for t in trials)
     about = f"the model's shortest time constant is {1.0 / max(rate_per_s, 1e-9):.3g} s: check the "
     if interval * rate_per_s > MAX_INTERVAL_RATIO:
@@ -100,7 +100,10 @@ def _first_of(sentences: Sequence[str]) -> list[str]:
     more = len(sentences) - MAX_SENTENCES_OF_A_KIND
     if more <= 0:
         return list(sentences)
-    return [*sentences[:MAX_SENTENCES_OF_A_KIND], f"The same in {more} further trials."]
+    return [
+        *sentences[:MAX_SENTENCES_OF_A_KIND],
+        f"The same in {more} further trial{'s' * (more > 1)}.",
+    ]
 
 
 def stuck_sentences(name: str, times: Float, column: Float) -> list[str]:

@@ -12,7 +12,7 @@ from ..data import Float
 from ..errors import Finding, InputError, did_you_mean, input_error
 from ..fitting import Series
 from .model import Model
-from .recording_faults import MAX_UNREPORTED_GAP_INTERVALS, duplicate_recordings, spike_findings
+from .recording_faults import duplicate_recordings, gaps, spike_findings
 from .sampling import averaged_to_rate
 from .system_assembly import AssembledSystem, scale_names
 
@@ -233,9 +233,7 @@ def cut_at_gaps(model: Model, trials: Sequence[Trial]) -> list[Trial]:
     """
     out = []
     for t in trials:
-        steps = np.diff(t.times)
-        gaps = np.flatnonzero(steps > MAX_UNREPORTED_GAP_INTERVALS * np.median(steps)) + 1
-        edges = [0, *gaps.tolist(), len(t.times)] if model.inputs else [0, len(t.times)]
+        edges = [0, *(gaps(t.times).tolist() if model.inputs else ()), len(t.times)]
         parts = [(a, b) for a, b in pairwise(edges) if b - a >= MIN_PART_SAMPLES]
         if len(edges) == 2 or not parts:
             out.append(t)
@@ -248,9 +246,13 @@ def cut_at_gaps(model: Model, trials: Sequence[Trial]) -> list[Trial]:
 
 
 def _part_of_trial(t: Trial, a: int, b: int, *, name: str, condition: str) -> Trial:
-    """Samples a to b of a trial; where they begin is known only at its first sample."""
+    """Samples a to b of a trial; what was measured of the whole trial counts once, and where it
+    begins is known only at its first sample.
+    """
+    first = a == 0
     return replace(
-        t, name=name, condition=condition, start=t.start if a == 0 else {}, times=t.times[a:b],
+        t, name=name, condition=condition, start=t.start if first else {},
+        evidence=t.evidence if first else {}, times=t.times[a:b],
         observed={n: c[a:b] for n, c in t.observed.items()},
         inputs={n: c[a:b] for n, c in t.inputs.items()},
     )  # fmt: skip

@@ -24,6 +24,8 @@ MAX_GAP_S = 0.5
 """Longest hole in a log over which the turns are still counted."""
 
 
+MIN_LOGGED_SHARE = 0.5
+"""Share of a recording that its motor log covers, below which there is a warning."""
 MAX_FREQUENCY_STD_SHARE = 0.2
 """A log whose frequency is known no better than to this share shows no turning shaft."""
 

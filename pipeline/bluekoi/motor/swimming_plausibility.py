@@ -20,6 +20,7 @@ import numpy as np
 from ..data import Flapping, Positions, Steady
 from ..study import Robot
 from .clock_comparison import CLOCK_RATIO_TOLERANCE
+from .motor_log import MIN_LOGGED_SHARE
 from .tail_beat import tail_excursion
 
 GRAVITY_M_S2 = 9.81
@@ -32,8 +33,6 @@ PLAUSIBLE_RANGES: Mapping[str, tuple[float, float, str]] = {
 """Plausible range of each number and its name. Sources: Videler, Fish Swimming, 1993, ch. 1 and 5
 (speed, stride); Hoerner, Fluid-Dynamic Drag, 1965, ch. 11 (wave drag); Triantafyllou et al., J.
 Fluids Struct. 7 (1993) 205 (Strouhal number, thrust above 0.1)."""
-MIN_LOGGED_SHARE = 0.5
-"""Share of a recording that its motor log covers, below which there is a warning."""
 CLOCK_TOLERANCE = 0.01
 """Clocks that differ by less than this share are left to the search, without a warning."""
 TAIL_LENGTH_RATIO_RANGE = (0.6, 1.3)

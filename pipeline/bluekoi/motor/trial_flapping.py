@@ -12,8 +12,7 @@ from ..data import Flapping, Positions
 from ..errors import input_error
 from ..study import Study, Trial
 from .clock_comparison import flapping_compared_with_video, flapping_from_stated_frequency
-from .motor_log import flapping_from_log, log_coverage
-from .swimming_plausibility import MIN_LOGGED_SHARE
+from .motor_log import MIN_LOGGED_SHARE, flapping_from_log, log_coverage
 from .tail_beat import MAX_BEAT_STD_SHARE, clock_ratio, tail_beat_from_video, tail_beat_lag
 from .tail_beat_drift import tail_beat_drift
 

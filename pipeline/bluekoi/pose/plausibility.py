@@ -17,7 +17,12 @@ from ..errors import Finding, InputError, input_error
 from ..study import Study, Trial
 from . import rigid_pose
 from .body import body_lengths, trusted_points
-from .trial_comparison import mean_head_angle_deg
+from .trial_comparison import (
+    PART_SOURCES,
+    mean_head_angle_deg,
+    signed_turn_deg,
+    stated_lengths,
+)
 
 MAX_LENGTH_ERROR_SHARE, MAX_LENGTH_ERROR_M = 0.25, 0.02
 """Largest error of a rigid part's length on the trial's scale: the larger of share and length."""
@@ -94,9 +99,9 @@ def _length_findings(
 ) -> list[Finding]:
     robot = study.setup.robot
     body = body_lengths(*trusted_points(positions), robot, trial.head_length_m)
-    names = ("head_tip to hinge", "hinge to core_center", "core_center to tail_base")
-    seen = np.array([body.head_m, body.hinge_m, body.tail_m])
-    said = np.array([trial.head_length_m, robot.hinge_to_com_m, robot.com_to_tail_base_m])
+    names = [points for points, _ in PART_SOURCES.values()]
+    seen = np.array([getattr(body, part) for part in PART_SOURCES])
+    said = np.array(list(stated_lengths(robot, trial).values()))
     scale = float(np.median(seen / said)) if (said > 0).all() else 1.0
     if not 1 / MAX_SCALE < scale < MAX_SCALE:
         return [_scale_findings(place, study, scale)]
@@ -137,11 +142,11 @@ def _part_order_findings(source: str, place: str, positions: Positions) -> list[
 
 def _head_angle_findings(table: str, place: str, trial: Trial, pose: Pose) -> list[Finding]:
     seen = mean_head_angle_deg(pose)
-    apart = (seen - trial.head_angle_deg + 180) % 360 - 180
-    if not abs(apart) > MAX_HEAD_ANGLE_ERROR_DEG:
+    if not abs(signed_turn_deg(seen - trial.head_angle_deg)) > MAX_HEAD_ANGLE_ERROR_DEG:
         return []
     found = f"a head angle of {seen:.0f} degrees in the second half of the recording"
-    mirrored = abs((seen + trial.head_angle_deg + 180) % 360 - 180) <= MAX_HEAD_ANGLE_ERROR_DEG / 2
+    other = abs(signed_turn_deg(seen + trial.head_angle_deg))
+    mirrored = other <= MAX_HEAD_ANGLE_ERROR_DEG / 2
     convention = "head_angle_deg is positive where the head points to the robot's right."
     remedy = (
         f"The sign is the other one: write head_angle_deg {-trial.head_angle_deg:g} if the head "

@@ -43,7 +43,7 @@ def body_record(
 ) -> dict[str, Any]:
     """Head angle and lengths of a trial, as status/ID.json holds them, and hashes of its frames."""
     body = body_lengths(*trusted_points(positions), robot, trial.head_length_m)
-    stated = _stated_lengths(robot, trial)
+    stated = stated_lengths(robot, trial)
     return {
         "head_angle_deg": mean_head_angle_deg(pose),
         "length_ratios": {
@@ -75,7 +75,8 @@ def comparison_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]])
     ]
 
 
-def _stated_lengths(robot: Robot, trial: Trial) -> dict[str, float]:
+def stated_lengths(robot: Robot, trial: Trial) -> dict[str, float]:
+    """Lengths of the rigid parts that study.yaml and trials.csv state, m, as in `PART_SOURCES`."""
     return {
         "head_m": trial.head_length_m,
         "hinge_m": robot.hinge_to_com_m,
@@ -95,7 +96,7 @@ def _head_angle_warnings(
     trials: Mapping[str, Trial], seen: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[str]:
     angles = {n: a for n, r in seen.items() if (a := r.get("head_angle_deg")) is not None}
-    off = {n: _turn_deg(a - trials[n].head_angle_deg) for n, a in angles.items()}
+    off = {n: signed_turn_deg(a - trials[n].head_angle_deg) for n, a in angles.items()}
     values = np.array(list(off.values()))
     odd = deviations_from_majority(values, np.zeros(len(values)), MIN_HEAD_ANGLE_DEVIATION_DEG)
     deviating = [name for name, by in zip(off, odd, strict=True) if by]
@@ -119,10 +120,11 @@ def _head_angle_warnings(
 
 
 def _fits(angle_deg: float, trial: Trial) -> bool:
-    return abs(_turn_deg(angle_deg - trial.head_angle_deg)) <= MIN_HEAD_ANGLE_DEVIATION_DEG
+    return abs(signed_turn_deg(angle_deg - trial.head_angle_deg)) <= MIN_HEAD_ANGLE_DEVIATION_DEG
 
 
-def _turn_deg(angle_deg: float) -> float:
+def signed_turn_deg(angle_deg: float) -> float:
+    """An angle as a turn from -180 to 180 degrees."""
     return (angle_deg + 180) % 360 - 180
 
 
@@ -151,7 +153,7 @@ def _length_warnings(
         return
     for part, (points, key) in PART_SOURCES.items():
         shares = [r[part] / float(np.median(list(r.values()))) - 1 for r in ratios.values()]
-        stated = float(np.median([_stated_lengths(robot, trials[n])[part] for n in ratios]))
+        stated = float(np.median([stated_lengths(robot, trials[n])[part] for n in ratios]))
         off = float(np.median(shares))
         if abs(off) > MIN_PART_ERROR_SHARE and abs(off) * stated > MIN_PART_ERROR_M:
             yield (

@@ -204,3 +204,21 @@ def test_errors_far_smaller_than_stated_are_a_warning():
     rough = replace(MODEL, observations=(replace(MODEL.observations[0], std=0.5),))
     found = explain(rough, cart_trials(4, 4.0))
     assert any(w.startswith("The stated std of position, 0.5 m, is") for w in found.warnings)
+
+
+def with_unit_factor(trials: list[Trial], factor: float) -> list[Trial]:
+    """Trials whose positions are recorded in another unit than is declared."""
+    return [replace(t, observed={"position": factor * t.observed["position"]}) for t in trials]
+
+
+def test_positions_in_mm_declared_as_m_end_before_any_cause_is_fitted():
+    trials, steps = with_unit_factor(cart_trials(), 1000.0), []
+    with pytest.raises(InputError, match="all trials: position: found errors of about"):
+        explain(MODEL, trials, progress=steps.append)
+    assert "quadratic_drag" not in " ".join(steps)
+
+
+def test_the_one_trial_in_another_unit_is_named():
+    first, *others = cart_trials()
+    with pytest.raises(InputError, match=r"trial r0: position: .* Check the unit"):
+        explain(MODEL, [*with_unit_factor([first], 1000.0), *others])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..data import Float
-from ..fitting import Free, Noise, Series, trial_values
+from ..fitting import FilterResults, Free, Noise, Series, trial_values
 from ..integrate import CompiledSystem
 from .candidates import Candidate
 
@@ -17,10 +17,15 @@ noise too is estimated on at most so many. As many as the studies have on which 
 validated (FINDER, protocol); `benchmarks/search_subset.py` compares with a search on all trials."""
 
 Progress = Callable[[str], None]
+BaselineCheck = Callable[[Noise, FilterResults], None]
 
 
 def no_progress(_: str) -> None:
     """Progress that nobody follows."""
+
+
+def accept_any_baseline(_: Noise, __: FilterResults) -> None:
+    """A check that any fit of the model without causes passes."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +39,8 @@ class Problem:
     with a listed cause; they belong to discrepancies, but are no candidates of their own.
     state_variables: variables of residual terms that follow from the system's state and inputs; a
     law whose formula is not quite right leaves, in its own channels, a force that depends on these.
+    check_baseline: called with the noise and the filtered trials of the model without causes,
+    before any cause is fitted; an error that it raises ends the search.
     """
 
     kernel: CompiledSystem
@@ -48,6 +55,7 @@ class Problem:
     progress: Progress = field(default=no_progress)
     most_causes: int = 4
     collinear_terms: frozenset[str] = frozenset()
+    check_baseline: BaselineCheck = accept_any_baseline
 
     @cached_property
     def by_name(self) -> dict[str, Candidate]:

@@ -135,6 +135,7 @@ def _search_on_trials(problem: Problem, start: dict[str, float]) -> FittedSets:
     Raises: LinAlgError where the model without causes has no finite fit.
     """
     first = fit_own_noise(problem, fit_set(problem, (), problem.noise, start))
+    problem.check_baseline(first.noise, first.passes)
     whole, tried = expand_in_all_forms(problem, first)
     if not whole.usable:
         raise np.linalg.LinAlgError("the model without causes runs away")

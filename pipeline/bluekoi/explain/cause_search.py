@@ -40,7 +40,12 @@ from .comparison import (
 )
 from .diagnosis import divergence_error, reporting_compiler_errors
 from .feedback import feedback_sentences
-from .fit_quality import error_sentences, input_term_sentences, overdispersion_sentences
+from .fit_quality import (
+    error_sentences,
+    input_term_sentences,
+    overdispersion_sentences,
+    refuse_far_larger_errors,
+)
 from .model import Model
 from .numbers import Number, at_bound_sentences, fitted_numbers, undetermined_sentences
 from .preparation import Prepared, prepare, step_error_and_warning
@@ -128,8 +133,9 @@ def explain(
     fit = [t for t in given if t.role != HELD_OUT_ROLE]
     with reporting_compiler_errors(model):
         ready = prepare(model, fit, names, progress)
+    checked = partial(refuse_far_larger_errors, ready)
     try:
-        visited = search_sets(ready.problem)
+        visited = search_sets(replace(ready.problem, check_baseline=checked))
     except np.linalg.LinAlgError:
         raise divergence_error(model, fit) from None
     problem = visited.problem

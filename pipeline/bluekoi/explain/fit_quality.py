@@ -8,12 +8,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..data import Float
 from ..engine import FittedSet, ScoredSet
-from ..fitting import MAX_OVERDISPERSION
+from ..errors import input_error
+from ..fitting import MAX_OVERDISPERSION, FilterResults, Noise
 from .preparation import Prepared, stated_std
 
 MAX_ERROR_OVER_STATED = 10.0
 """Estimated over stated errors of an observation above which the report warns."""
+MAX_ERROR_OVER_STATED_TO_FIT = 100.0
+"""Estimated over stated errors of an observation above which nothing is fitted: the model and the
+stated accuracy describe other recordings.
+"""
 MIN_INNOVATION_SQUARE = 0.1
 """Mean square of the whitened prediction errors, 1 if the stated errors are right, below which the
 report warns.
@@ -59,8 +65,7 @@ def error_sentences(ready: Prepared, model: FittedSet) -> list[str]:
     white noise and errors that last together.
     """
     observations = ready.model.observations
-    lasting = model.noise.disturbance[-len(observations) :]
-    ratios = np.hypot(model.noise.scale, lasting / stated_std(ready.problem.series))
+    ratios = errors_over_stated(ready, model.noise)
     squares = np.concatenate([f.innovations**2 for f in model.passes if len(f.innovations)])
     small = np.nanmean(np.where(squares > 0, squares, np.nan), axis=0) < MIN_INNOVATION_SQUARE
     return [
@@ -75,6 +80,36 @@ def error_sentences(ready: Prepared, model: FittedSet) -> list[str]:
         for o, ratio in zip(observations, ratios, strict=True)
         if ratio > MAX_ERROR_OVER_STATED
     ]
+
+
+def errors_over_stated(ready: Prepared, noise: Noise) -> Float:
+    """Estimated errors (observations,), white and lasting ones together, over the stated ones."""
+    lasting = noise.disturbance[-len(ready.model.observations) :]
+    return np.hypot(noise.scale, lasting / stated_std(ready.problem.series))
+
+
+def refuse_far_larger_errors(ready: Prepared, noise: Noise, passes: FilterResults) -> None:
+    """InputError where the errors of the model without causes are over a hundred times the stated
+    ones, as in a wrong unit.
+    """
+    for o, ratio in zip(ready.model.observations, errors_over_stated(ready, noise), strict=True):
+        if ratio > MAX_ERROR_OVER_STATED_TO_FIT:
+            one = _trial_with_most_errors(passes)
+            raise input_error(
+                f"trial {one}" if one else "all trials", o.name,
+                f"errors of about {ratio * o.std:.2g} {o.unit} around the model without causes",
+                f"errors of the order of its std, {o.std:.3g} {o.unit}",
+                "Check the unit and the sign of its column, outliers and codes for missing "
+                "values, or state the real accuracy as std.",
+            )  # fmt: skip
+
+
+def _trial_with_most_errors(passes: FilterResults) -> str:
+    """Name of the trial with more than half of the squared prediction errors of all, or none."""
+    squares = np.array([float(np.nansum(f.innovations**2)) for f in passes])
+    k = int(np.argmax(squares))
+    most = len(squares) > 2 and squares[k] > MIN_DEVIATING_SHARE * squares.sum()
+    return passes.series[k].name if most else ""
 
 
 def input_term_sentences(ready: Prepared, causes: Sequence[str]) -> list[str]:

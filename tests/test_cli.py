@@ -30,6 +30,8 @@ from bluekoi.cli.run import (
 from bluekoi.errors import InputError, input_error
 from bluekoi.files import write_json
 from bluekoi.footage import encode_h264
+from bluekoi.workflow.plan import make_plan
+from bluekoi.workflow.stage_call import parse_options
 from small_studies import edit_trials_csv, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -561,3 +563,30 @@ def test_a_run_imports_no_numerics_in_the_process_that_waits(tmp_path):
                          text=True, check=True, cwd=tmp_path)  # fmt: skip
     assert not {"numpy", "scipy", "cv2"} & set(run.stdout.split())
     assert run.stdout.startswith("[]")
+
+
+def test_a_second_study_or_an_option_that_snakemake_lacks_is_one_line(tmp_path):
+    found = CliRunner().invoke(main, ["run", "one", "two"])
+    assert found.exit_code == 2
+    assert "Got a second study 'two'" in found.output
+    command = snakemake_command(str(tmp_path), tmp_path / "out", "1", ("--nosuchflag",))
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
+    assert done.returncode == 2
+    assert done.stderr.splitlines() == [
+        "Options after --: unrecognized arguments: --nosuchflag. `snakemake --help` lists them."
+    ]
+
+
+def test_a_file_as_results_folder_is_refused_also_where_it_is_the_studys_own(tmp_path):
+    study = small_study(tmp_path / "study")
+    settings = {"study": str(study), "results": str(study / "study.yaml"), "demo_folder": "demo",
+                "overlays": "all"}  # fmt: skip
+    with pytest.raises(InputError, match=r"study\.yaml: found a file; expected a folder"):
+        make_plan(settings)
+
+
+def test_a_trial_may_have_the_name_of_an_option():
+    options = parse_options(
+        ["keypoints", "--study", "s", "--results", "r", "--trial=-rf", "--trial=T2"]
+    )
+    assert options.trials == ["-rf", "T2"]

@@ -37,7 +37,7 @@ from bluekoi.mismatch.find import verdict_of
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen_frames, trial_segments
 from bluekoi.mismatch.next_trial import best_next_trial, disagreement_text
 from bluekoi.mismatch.results_json import details_json, mismatch_json
-from bluekoi.mismatch.robot_problem import robot_problem
+from bluekoi.mismatch.robot_problem import robot_problem, undetermined_cause_warnings
 from bluekoi.mismatch.sentences import verdict_sentence
 from bluekoi.mismatch.wrong_clock import trials_with_wrong_clock, with_steady_clock
 from bluekoi.model import plates
@@ -50,6 +50,7 @@ from bluekoi.stages.clock_measurement import (
 )
 from bluekoi.stages.layout import Layout
 from bluekoi.stages.mismatch import (
+    refuse_single_trial,
     with_delay_measurement,
     with_nose_distances,
     with_rigid_length_measurement,
@@ -619,6 +620,29 @@ def test_a_frame_that_was_hardly_seen_is_no_error_of_the_path(
     )
     assert off > 1.05 * clean
     assert stated == pytest.approx(clean, rel=0.01)
+
+
+def test_turns_to_one_side_cannot_name_a_difference_between_the_sides(
+    demo: tuple[MeasuredStudy, MismatchResult],
+) -> None:
+    """On such trials any other law of the head does the same: of seven studies of a generator that
+    the finder had not seen, four were given a port-starboard asymmetry that was not there.
+    """
+    m, found = demo
+    one_side = [s for s in m.series if np.median(s.inputs[:, 0]) > -0.02]
+    assert 2 <= len(one_side) < len(m.series)
+    for series, judged in ((one_side, False), (m.series, True)):
+        problem = robot_problem(compiled(plates()), series, found.baseline, displaced=(),
+                                progress=lambda _: None)  # fmt: skip
+        assert ("port_starboard_asymmetry" in problem.by_name) is judged
+        texts = undetermined_cause_warnings(compiled(plates()).system, series)
+        assert [t.split()[0] for t in texts] == ["port_starboard_asymmetry"] * (not judged)
+
+
+def test_a_study_of_one_usable_trial_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    refuse_single_trial(tmp_path, 2)
+    with pytest.raises(InputError, match="found 1 trial that can be used; expected 2 or more"):
+        refuse_single_trial(tmp_path, 1)
 
 
 def first_seen_position(series: Series) -> np.ndarray:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import cv2
 import numpy as np
 import pytest
 
 from bluekoi.errors import InputError
 from bluekoi.footage import frames, open_recording
+from bluekoi.footage.image_recording import picture_numbers
 from bluekoi.preparation.input_check import file_findings
 from bluekoi.stages.freshness import file_states
 from bluekoi.study import Setup, Study, missing_files
@@ -116,3 +119,29 @@ def trials_of_folder(folder):
     trials = read_trials(folder / "trials.csv", findings)
     assert findings == []
     return trials
+
+
+def test_missing_pictures_leave_a_gap_and_not_a_shorter_recording(folder):
+    for number in (5, 6, 7):
+        (folder / f"T1/frame_{number}.png").unlink()
+    film = open_recording(expand_source(folder, "T1/frame_*.png"), fps=20.0)
+    assert film.duration_s == pytest.approx(12 / 20)
+    (remark,) = film.remarks
+    assert remark.startswith("3 pictures of 12 are missing")
+    assert "between frame_4.png and frame_8.png" in remark
+    expected = np.array([0, 1, 2, 3, 7, 8, 9, 10, 11]) / 20
+    np.testing.assert_allclose([one.time_s for one in frames(film)], expected)
+
+
+@pytest.mark.parametrize(
+    ("names", "numbers"),
+    [
+        (["a_0010", "a_0020", "a_0040", "a_0050"], (0, 1, 3, 4)),
+        (["20261123_101500", "20261123_101700", "20261123_109901"], (0, 1, 2)),
+        (["a", "b"], (0, 1)),
+        (["a2", "a1"], (0, 1)),
+        (["only7"], (0,)),
+    ],
+)
+def test_numbers_in_names_count_frames_where_most_are_there(names, numbers):
+    assert picture_numbers([Path(f"{name}.png") for name in names]) == numbers

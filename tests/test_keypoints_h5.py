@@ -57,6 +57,13 @@ def test_fixed_h5(tmp_path):
     assert found.xy_px[2, 1] == pytest.approx(values[2, 3:5])
 
 
+def test_an_h5_without_a_frame_is_refused(tmp_path):
+    empty = {"axis1": np.arange(0)}
+    path = write_fixed_h5(tmp_path / "k.h5", values=np.zeros((1, 0)), more=empty)
+    with pytest.raises(InputError, match=r"k\.h5: found a file without a single frame"):
+        deeplabcut.read(path, make_trial())
+
+
 def test_links_out_of_an_h5_are_refused(tmp_path):
     link = h5py.ExternalLink("/etc/other.h5", "/values")
     path = write_fixed_h5(tmp_path / "k.h5", more={"block0_values": link})

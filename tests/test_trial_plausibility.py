@@ -34,7 +34,7 @@ from bluekoi.stages.tracks import _with_clock_remark, tracks
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study, missing_files_of_trial
 from bluekoi.study.consistency_rules import setup_warnings
-from bluekoi.trial_warnings import trial_warnings
+from bluekoi.trial_warnings import trial_warnings, unchecked_clock_notes
 from small_studies import edit_trials_csv, mapped_turn, small_study
 
 
@@ -569,3 +569,11 @@ def test_check_says_where_nothing_can_check_the_frame_rate(tmp_path):
     found = CliRunner().invoke(main, ["check", str(study)])
     assert found.exit_code == 0, found.output
     assert "No trial has a motor_log or flap_hz: nothing can check fps." in found.output
+
+
+def test_a_run_without_any_clock_says_so_in_its_outcome(tmp_path):
+    study = load_study(small_study(tmp_path / "study"))
+    assert unchecked_clock_notes(study) == []
+    bare = [t.model_copy(update={"motor_log": None, "flap_hz": None}) for t in study.trials]
+    (text,) = unchecked_clock_notes(study.model_copy(update={"trials": tuple(bare)}))
+    assert text.startswith("No trial has a motor_log or flap_hz: nothing can check fps.")

@@ -7,6 +7,8 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+EXIT_USAGE = 2
+"""An option or argument that the command does not have."""
 EXIT_INTERRUPTED = 130
 """Exit code of a command that was interrupted from the keyboard."""
 MIN_ROWS_TO_MERGE = 4

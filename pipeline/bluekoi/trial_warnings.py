@@ -11,6 +11,17 @@ from .pose.trial_comparison import comparison_warnings
 from .study import Study
 from .study.consistency_rules import setup_warnings
 
+NO_CLOCK_NOTE = (
+    "No trial has a motor_log or flap_hz: nothing can check fps. A frame rate that is wrong by a "
+    "factor of two makes all speeds wrong by that factor, without a message."
+)
+
+
+def unchecked_clock_notes(study: Study) -> list[str]:
+    """The note that no clock checks the frame rate, where no trial states a flapping frequency."""
+    stated = any(t.motor_log is not None or t.flap_hz is not None for t in study.trials)
+    return [] if stated else [NO_CLOCK_NOTE]
+
 
 def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """A sentence for each doubt about robot, clocks, speeds, powers, head angles and lengths.

@@ -25,11 +25,6 @@ FILMED_NOTE = (
     "what does not agree."
 )
 
-NO_CLOCK_NOTE = (
-    "No trial has a motor_log or flap_hz: nothing can check fps. A frame rate that is wrong by a "
-    "factor of two makes all speeds wrong by that factor, without a message."
-)
-
 
 @click.command()
 @click.argument("study", type=StudyName(path_type=Path))
@@ -46,7 +41,7 @@ def check(study: Path) -> None:
     from ..errors import InputError  # noqa: PLC0415
     from ..preparation.input_check import check_files, setup_findings  # noqa: PLC0415
     from ..study import load_study, missing_files  # noqa: PLC0415
-    from ..trial_warnings import trial_warnings  # noqa: PLC0415
+    from ..trial_warnings import trial_warnings, unchecked_clock_notes  # noqa: PLC0415
     from ..workflow.plan import check_results_name  # noqa: PLC0415
 
     loaded = load_study(study)
@@ -78,6 +73,5 @@ def check(study: Path) -> None:
     )
     if filmed:
         click.echo(FILMED_NOTE)
-    unclocked = sum(t.motor_log is None and t.flap_hz is None for t in loaded.trials)
-    if unclocked == len(loaded.trials):
-        click.echo(NO_CLOCK_NOTE)
+    for note in unchecked_clock_notes(loaded):
+        click.echo(note)

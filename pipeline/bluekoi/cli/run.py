@@ -12,7 +12,7 @@ from pathlib import Path
 
 import click
 
-from ..errors import EXIT_INTERRUPTED
+from ..errors import EXIT_INTERRUPTED, EXIT_USAGE
 from ..workflow.forkserver_client import COMMAND_VARIABLE
 from .parameter_types import NonEmptyPath, StudyName
 
@@ -114,6 +114,11 @@ def run(
 
     Write further options for Snakemake after `--`.
     """
+    if further and not further[0].startswith("-"):
+        raise click.UsageError(
+            f"Got a second study '{further[0]}'; expected one study, or options of Snakemake "
+            "after --."
+        )
     os.environ[COMMAND_VARIABLE] = shlex.join(["bluekoi", *sys.argv[1:]])
     returned = _run_process(snakemake_command(study, results, cores, further))
     folder = _requested_results_folder(study, results, further)
@@ -222,7 +227,7 @@ def _study_trial_ids(study: str) -> set[str]:
 
 def _exit_code(returned: int, results: Path) -> int:
     """0 where all is well, 3 where all is there but some trials are bad, else 1."""
-    if returned in (0, EXIT_INTERRUPTED, EXIT_TERMINATED):
+    if returned in (0, EXIT_USAGE, EXIT_INTERRUPTED, EXIT_TERMINATED):
         return returned
     from ..stages.layout import Layout  # noqa: PLC0415
 

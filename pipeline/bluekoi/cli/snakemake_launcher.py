@@ -7,6 +7,7 @@ of the interrupt_handler: they only report how Snakemake stops.
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import ctypes
 import logging
@@ -14,8 +15,9 @@ import signal
 import sys
 import threading
 import warnings
+from typing import NoReturn
 
-from ..errors import EXIT_INTERRUPTED, INTERRUPTED_MESSAGE
+from ..errors import EXIT_INTERRUPTED, EXIT_USAGE, INTERRUPTED_MESSAGE
 
 PR_SET_PDEATHSIG = 1
 """Linux: the signal that a process gets when its parent ends (prctl(2))."""
@@ -76,6 +78,7 @@ def main() -> None:
     try:
         from snakemake.cli import main as snakemake  # noqa: PLC0415
 
+        argparse.ArgumentParser.error = _refuse_option  # type: ignore[assignment]
         try:
             snakemake()
         finally:  # all is done: a late Ctrl-C finds nothing to stop
@@ -85,6 +88,12 @@ def main() -> None:
             raise
         interrupt_handler.report()
         raise SystemExit(EXIT_INTERRUPTED) from None
+
+
+def _refuse_option(_: argparse.ArgumentParser, message: str) -> NoReturn:
+    """One line for an option that Snakemake does not have, in place of all that it has."""
+    sys.stderr.write(f"Options after --: {message}. `snakemake --help` lists them.\n")
+    raise SystemExit(EXIT_USAGE)
 
 
 def _is_not_profile_notice(record: logging.LogRecord) -> bool:

@@ -10,7 +10,8 @@ With w > 0, the sides differ less at small angles of attack. The part m of the m
 alpha differs between the sides in the same way. The yaw damping C_Md r |r| differs by the share n,
 and the drag C_Da (1 - cos 2 alpha) of the head by the share g.
 
-The effect vanishes at zero angle of attack without rotation.
+The effect vanishes at zero angle of attack without rotation. Turns to one side alone do not show
+it: there, every law of the head of another form does the same.
 
 Source: own statement (asymmetric hull or head cap).
 """
@@ -30,6 +31,7 @@ STATEMENT = (
 )
 REGIME = "turns, with opposite sign to port and starboard"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "keypoint_bias")
+NEEDS_TURNS_TO_BOTH_SIDES = True
 STRENGTH_COUNT = 3
 PARAMETERS = (
     Parameter("lift_difference", "1", 0.05, -1.0, 1.0,

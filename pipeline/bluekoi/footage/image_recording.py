@@ -1,7 +1,8 @@
-"""Pictures in files as a recording: numbered from 0, at a stated frame rate."""
+"""Pictures in files as a recording at a stated frame rate, numbered as their file names are."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +17,11 @@ from ..study.image_files import IMAGE_SUFFIXES
 from .recording import IMAGES_CODEC, Recording
 
 Picture = npt.NDArray[np.uint8]
+MIN_PRESENT_SHARE = 0.5
+"""Numbers in file names count frames if so many of the frames between the first and the last are
+there; otherwise (times of day, for example) the pictures follow each other."""
+MAX_DIGITS = 12
+"""Digits of a number in a file name that are read, its last ones."""
 
 
 def all_are_images(paths: Sequence[Path]) -> bool:
@@ -39,20 +45,56 @@ def open_images(
     if first is None:
         raise input_error(paths[0], "", "no readable picture", "png, jpg, tif or bmp",
                           "Check that the copy is complete.")  # fmt: skip
-    if start_s is not None and start_s >= len(paths) / fps:
-        raise input_error(paths[0], "start_s", f"{start_s:g} s in {len(paths) / fps:.2f} s",
+    numbers = picture_numbers(paths)
+    count = numbers[-1] + 1
+    if start_s is not None and start_s >= count / fps:
+        raise input_error(paths[0], "start_s", f"{start_s:g} s in {count / fps:.2f} s",
                           "a start inside the recording")  # fmt: skip
     return Recording(
         paths=tuple(paths),
         size_px=(first.shape[1], first.shape[0]),
         codec=IMAGES_CODEC,
-        frames_declared=len(paths),
-        frames_present=len(paths),
+        frames_declared=count,
+        frames_present=count,
         nominal_fps=fps,
         offset_s=(0.0,) * len(paths),
         fps=fps,
         start_s=start_s,
         end_s=end_s,
+        remarks=_missing_picture_remarks(paths, numbers),
+        picture_numbers=numbers,
+    )
+
+
+def picture_numbers(paths: Sequence[Path]) -> tuple[int, ...]:
+    """Number of the frame that each picture is, the first one 0, by the last number in the names.
+
+    A step that all numbers share (every tenth frame) counts as one frame. Names without numbers,
+    with another order, or with numbers that leave out more than half of the frames: 0, 1, 2, ...
+    """
+    in_order = tuple(range(len(paths)))
+    found = [re.findall(r"\d+", path.stem) for path in paths]
+    if len(paths) < 2 or not all(found):
+        return in_order
+    steps = np.diff(np.array([int(digits[-1][-MAX_DIGITS:]) for digits in found]))
+    if steps.min() <= 0:
+        return in_order
+    steps //= np.gcd.reduce(steps)
+    if len(paths) < MIN_PRESENT_SHARE * (steps.sum() + 1):
+        return in_order
+    return (0, *np.cumsum(steps).tolist())
+
+
+def _missing_picture_remarks(paths: Sequence[Path], numbers: Sequence[int]) -> tuple[str, ...]:
+    """A sentence where pictures are missing between others."""
+    missing = numbers[-1] + 1 - len(numbers)
+    if not missing:
+        return ()
+    last = int(np.argmax(np.diff(numbers)))
+    return (
+        f"{missing} pictures of {numbers[-1] + 1} are missing by the numbers in their names, most "
+        f"of them between {paths[last].name} and {paths[last + 1].name}; these frames count as "
+        "lost",
     )
 
 
@@ -75,7 +117,7 @@ def image_frames(
 
 
 def _lies_in_wanted_part(recording: Recording, index: int) -> bool:
-    time_s = index / recording.nominal_fps
+    time_s = recording.picture_numbers[index] / recording.nominal_fps
     end_s = np.inf if recording.end_s is None else recording.end_s
     return bool((recording.start_s or 0.0) - 1e-6 <= time_s <= end_s + 1e-6)
 
@@ -91,7 +133,8 @@ def _read_image_frames(
         luma = (
             np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8) if colour else picture
         )
-        yield Frame(i, i / recording.nominal_fps, luma, picture if colour else None)
+        number = recording.picture_numbers[i]
+        yield Frame(number, number / recording.nominal_fps, luma, picture if colour else None)
 
 
 def _read_image(path: Path, *, colour: bool) -> Picture | None:

@@ -32,7 +32,7 @@ class Recording:
     recording's clock. start_s, end_s: the part to use. rotation_deg: counter-clockwise turn
     applied to the stored picture. key_stamps: timestamps of the key frames of each file, in units
     of time_base_s. first_luma: brightness of the first key frame as stored,
-    where it is known.
+    where it is known. picture_numbers: which frame each picture file is, of a recording of these.
     """
 
     paths: tuple[Path, ...]
@@ -47,6 +47,7 @@ class Recording:
     start_s: float | None = None
     end_s: float | None = None
     remarks: tuple[str, ...] = ()
+    picture_numbers: tuple[int, ...] = ()
     key_stamps: tuple[tuple[int, ...], ...] = ()
     time_base_s: float = 1.0
     first_luma: Luma | None = field(default=None, repr=False, compare=False)

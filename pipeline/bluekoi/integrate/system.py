@@ -83,7 +83,8 @@ class Effect:
     starts: strengths from which fits begin, where one start may lead astray. forms: name of a
     variant -> values of the shape parameters that give it, where they differ from their starts. A
     search tries each of them. The prior of a shape parameter is so wide that every form lies within
-    two standard deviations of the start.
+    two standard deviations of the start. needs_both_sides: whether it is a difference between turns
+    to port and to starboard, which turns to one side cannot show.
     """
 
     name: str
@@ -102,6 +103,7 @@ class Effect:
     strengths: int = 1
     starts: tuple[float, ...] = ()
     forms: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    needs_both_sides: bool = False
 
     @cached_property
     def informs(self) -> dict[str, tuple[str, ...]]:
@@ -252,4 +254,5 @@ def effect_from_module(module: ModuleType, stages: tuple[Stage, ...]) -> Effect:
         strengths=getattr(module, "STRENGTH_COUNT", 1),
         starts=tuple(getattr(module, "STARTS", ())),
         forms=dict(getattr(module, "FORMS", {})),
+        needs_both_sides=getattr(module, "NEEDS_TURNS_TO_BOTH_SIDES", False),
     )

@@ -40,7 +40,7 @@ from .drift import Drift, drifting_trial
 from .extended_model import fit_extended
 from .free_run_errors import path_errors
 from .missing_force_dependence import Dependence, covariates, dependences
-from .robot_problem import robot_problem
+from .robot_problem import robot_problem, undetermined_cause_warnings
 
 MIN_FORCE_UNIT_SHARE_OF_BASELINE = 0.1
 """The missing force is compared with the random forces of the final model, but with no less than
@@ -148,6 +148,7 @@ def find_mismatch(
         stretch_s=paths.horizon_s, displacements=displaced,
         warnings=[*map(insignificance_sentence, chosen.insignificant),
                   *model_warnings(kernel, train, best),
+                  *undetermined_cause_warnings(kernel.system, train),
                   *([drifting.sentence] if drifting else [])],
     )  # fmt: skip
 

@@ -9,8 +9,9 @@ import numpy as np
 
 from ..engine import Priors, Problem, candidates_of
 from ..fitting import Series, TrialEffect
-from ..integrate import CompiledSystem
+from ..integrate import CompiledSystem, System
 from ..model import STATE_VARIABLES, residual_channels_and_variables
+from ..model.plates import INPUTS
 from ..tuning import JointFit
 from .camera_displacement import CAMERA_SHIFT_EFFECT, TAIL_FACTOR, CameraDisplacement
 from .wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock, with_steady_clock
@@ -38,6 +39,8 @@ UNKNOWN_DEPTH_STD_SHARE = 0.02
 are seen too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
 HOMOGRAPHY_TOLERANCES = {"scale_error.length_error": UNKNOWN_DEPTH_STD_SHARE}
 """A homography from the pool's corners puts keypoints on the water's plane."""
+MIN_TURN_RAD = np.radians(2.0)
+"""Head angles up to this are straight swimming with an error of the servo."""
 CAUSE_KINDS = ("physics", "measurement", "residual")
 
 
@@ -58,8 +61,9 @@ def robot_problem(
     whether the camera has no matrix, so that the keypoints' depth is not corrected.
     """
     system = kernel.system
-    names = [e.name for e in system.effects
-             if e.kind in CAUSE_KINDS and (displaced or e.name != CAMERA_SHIFT_EFFECT)]  # fmt: skip
+    left_out = undetermined_causes(system, series)
+    names = [e.name for e in system.effects if e.kind in CAUSE_KINDS and e.name not in left_out
+             and (displaced or e.name != CAMERA_SHIFT_EFFECT)]  # fmt: skip
     odds = PRIORS.cause * np.exp(
         -TAIL_FACTOR * sum(np.log(len(series) * d.moments) for d in displaced)
     )
@@ -79,6 +83,23 @@ def robot_problem(
         state_variables=STATE_VARIABLES,
         progress=progress,
     )
+
+
+def undetermined_causes(system: System, series: Sequence[Series]) -> list[str]:
+    """Names of the causes that these trials cannot show, whatever their size."""
+    angles = np.array([np.median(s.inputs[:, INPUTS.index("head_angle")]) for s in series])
+    if (angles > MIN_TURN_RAD).any() and (angles < -MIN_TURN_RAD).any():
+        return []
+    return [e.name for e in system.effects if e.needs_both_sides]
+
+
+def undetermined_cause_warnings(system: System, series: Sequence[Series]) -> list[str]:
+    """A sentence for each of `undetermined_causes`: what to film."""
+    return [
+        f"{name} cannot be judged, because no trials turn to both sides. Film the same head angles "
+        "to the other side as well."
+        for name in undetermined_causes(system, series)
+    ]
 
 
 def _trial_effects(baseline: JointFit) -> tuple[TrialEffect, ...]:

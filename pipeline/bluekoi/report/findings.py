@@ -12,7 +12,7 @@ from ..camera.plane_camera import NO_MATRIX_REMARK
 from ..campaign import Campaign
 from ..figures.drawing.held_out import evaluated_on_fitted_trials
 from ..figures.drawing.missing_force import FORCE_NAMES, VARIABLE_LABELS
-from ..trial_warnings import trial_warnings
+from ..trial_warnings import trial_warnings, unchecked_clock_notes
 from .numbers import (
     format_number,
     format_probability,
@@ -100,6 +100,7 @@ def warnings(campaign: Campaign) -> list[str]:
     of the search, and one if no coefficient is determined.
     """
     found = trial_warnings(campaign.study, campaign.statuses) + _uncalibrated_remark(campaign)
+    found += unchecked_clock_notes(campaign.study)
     found += length_warnings(campaign.geometry, campaign.mismatch)
     found += [_as_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}

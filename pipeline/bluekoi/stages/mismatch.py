@@ -15,6 +15,7 @@ from ..camera.length_windows import windows_from_columns
 from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE
 from ..campaign import load_campaign
 from ..data import Flapping, write_columns
+from ..errors import input_error
 from ..files import write_json
 from ..fitting import Series, free_runs
 from ..integrate import compiled
@@ -39,6 +40,9 @@ from .tuning import campaign_flapping, campaign_series
 
 __all__ = ["mismatch", "preload"]
 
+MIN_TRIALS = 2
+"""Fewer trials determine neither the coefficients nor what is missing."""
+
 log = logging.getLogger(__name__)
 
 
@@ -52,6 +56,7 @@ def mismatch(study: Path, results: Path) -> None:
     loaded = campaign.study
     campaign, flapping, factors = correct_clock(campaign, campaign_flapping(campaign))
     series = with_clock_measurement(campaign_series(campaign, flapping), flapping)
+    refuse_single_trial(study, len(series))
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
     series = with_delay_measurement(series, flapping, fitted=fitted)
     series = with_lost_time(series, flapping, fitted=fitted)
@@ -85,6 +90,17 @@ def mismatch(study: Path, results: Path) -> None:
         if cause["name"] == CLOCK_CAUSE and (part := trials_with_wrong_clock(series)):
             cause["regime"] = f"trials {', '.join(part)}"
     write_json(Layout(results).mismatch, with_clock_cause(content, factors, len(series)))
+
+
+def refuse_single_trial(study: Path, count: int) -> None:
+    """Raises: InputError where fewer trials than `MIN_TRIALS` are left to fit."""
+    if count < MIN_TRIALS:
+        raise input_error(
+            study / "trials.csv", "", f"{count} trial that can be used",
+            f"{MIN_TRIALS} or more, of which one swims straight and one turns",
+            "One trial does not determine the coefficients. Its track is in the results, in "
+            "tracks/ and steady.csv; add trials.",
+        )  # fmt: skip
 
 
 def with_delay_measurement(

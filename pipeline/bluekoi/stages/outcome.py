@@ -7,7 +7,7 @@ from pathlib import Path
 from ..camera.length_warnings import length_warnings
 from ..files import read_json, read_json_if_present, write_json
 from ..study import load_study
-from ..trial_warnings import trial_warnings
+from ..trial_warnings import trial_warnings, unchecked_clock_notes
 from .layout import Layout, remove_files
 from .manifest import write_manifest
 from .trial_failure import failure_reason
@@ -33,7 +33,11 @@ def outcome(study: Path, results: Path) -> list[str]:
     geometry, mismatch = (
         read_json_if_present(results / f"{n}.json") for n in ("geometry", "mismatch")
     )
-    warnings = [*trial_warnings(loaded, statuses), *length_warnings(geometry, mismatch)]
+    warnings = [
+        *trial_warnings(loaded, statuses),
+        *unchecked_clock_notes(loaded),
+        *length_warnings(geometry, mismatch),
+    ]
     remove_files([done])
     if changed := write_manifest(study, results):
         warnings.insert(0, CHANGED_MESSAGE.format(", ".join(changed)))

@@ -131,7 +131,7 @@ class Plan:
         def options(wildcards: Any) -> str:
             ids = self.batches[wildcards.batch.removesuffix(DUE_SUFFIX)]
             wanted = set(self.with_overlay() if stage == "overlay" else ids)
-            return " ".join(f"--trial {name}" for name in ids if name in wanted)
+            return " ".join(f"--trial={name}" for name in ids if name in wanted)
 
         return options
 
@@ -261,10 +261,8 @@ def _check_results_outside_study(study: Study, results: Path) -> None:
     here = results.resolve()
     for path in study.files():
         for at in (path.absolute(), path.resolve()):
-            if at.is_relative_to(here) and at.relative_to(here).parts[0] in (
-                *RESULT_FOLDERS,
-                at.name,
-            ):
+            inside = at.relative_to(here).parts[:1] if at.is_relative_to(here) else ()
+            if inside and inside[0] in (*RESULT_FOLDERS, at.name):
                 raise input_error(
                     results, "", f"a folder that holds {path.name}, a file of the study",
                     "a folder of its own for the results", "Name another one with --results.",

@@ -33,8 +33,9 @@ def read_h5(path: Path) -> Table:
             raise input_error(path, "", "no DataFrame in this h5", "DeepLabCut's df_with_missing")
         fixed = member(group, "table") is None
         labels, values, index = _read_fixed_format(group) if fixed else _read_table_format(group)
-    if len(values) == 0:
-        raise input_error(path, "", "a file without a single frame", "a row a frame")
+    if len(values) == 0 or values.shape[1] != len(labels):
+        raise input_error(path, "", "a file without a single frame", "a row a frame",
+                          "Export the keypoints again.")  # fmt: skip
     kept = [i for i, label in enumerate(labels) if label[-1] in COORDINATES]
     named = [_individual_part_coordinate(labels[i]) for i in kept]
     if not named:

@@ -100,6 +100,15 @@ def test_a_run_is_the_same_as_itself_and_a_folder_without_results_is_refused(two
         read_run(tmp_path)
 
 
+@pytest.mark.parametrize("command", ["compare", "report"])
+def test_a_path_that_is_not_there_is_named_as_given(tmp_path, command):
+    missing = str(tmp_path / "missing")
+    done = CliRunner().invoke(main, [command, missing, missing][: 3 if command == "compare" else 2])
+    assert done.exit_code == 1
+    assert f"{missing}: found no such folder" in done.output
+    assert "results/missing" not in done.output
+
+
 def test_runs_without_a_manifest_are_compared_in_their_results_alone(two_results):
     (two_results[1] / "manifest.json").unlink()
     done = CliRunner().invoke(main, ["compare", *map(str, two_results)])

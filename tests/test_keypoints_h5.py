@@ -28,6 +28,21 @@ def test_damaged_h5_is_a_fault(tmp_path, content):
         deeplabcut.read(path, make_trial())
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("k.csv", b"\x89HDF\r\n\x1a\n" + bytes(90), "found an HDF5 file.*ending .h5"),
+        ("k.csv", b"PK\x03\x04" + bytes(90), "found a workbook.*Save it as CSV UTF-8"),
+        ("k.h5", b"PK\x03\x04" + bytes(90), "found a workbook.*ending must be that"),
+        ("k.h5", b"scorer,net\n", "found text, as in a csv file.*ending must be that"),
+    ],
+)
+def test_a_file_with_the_ending_of_another_format_is_recognised(tmp_path, name, content, words):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=words):
+        deeplabcut.read(tmp_path / name, make_trial())
+
+
 def write_fixed_h5(path: Path, **changes) -> Path:
     """A DataFrame in pandas' fixed format, as DeepLabCut's older files are."""
     names = {"scorer": ["s"], "bodyparts": list(PARTS), "coords": ["x", "y", "likelihood"]}

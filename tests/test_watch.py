@@ -14,7 +14,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from bluekoi.cli import main
 from bluekoi.cli.watch import study_file_states
 from small_studies import edit_trials_csv, small_study
 
@@ -79,6 +81,16 @@ def test_an_error_in_the_study_is_reported_and_the_next_change_waited_for(tmp_pa
         wait_for((results / "status/keypoints/T09.json").is_file, "no run after the error")
         watching.terminate()
         assert watching.wait(120) == 0
+
+
+def test_a_folder_that_is_not_there_is_not_waited_for(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    module = sys.modules["bluekoi.cli.watch"]
+    monkeypatch.setattr(module, "study_file_states", lambda *_: pytest.fail("it waits"))
+    done = CliRunner().invoke(main, ["watch", str(tmp_path / "missing")])
+    assert done.exit_code == 1
+    assert f"{tmp_path / 'missing'}: found no such folder" in done.output
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_state_of_a_study_leaves_its_results_and_hidden_files_out(tmp_path):

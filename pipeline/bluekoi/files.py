@@ -141,6 +141,23 @@ def _current_umask() -> int:
     return mask
 
 
+FORMAT_SIGNATURES = {
+    b"PK\x03\x04": "a workbook (xlsx or ods) or another zip archive",
+    b"\xd0\xcf\x11\xe0": "a workbook (xls)",
+    b"\x89HDF\r\n\x1a\n": "an HDF5 file",
+}
+"""First bytes of files that are no text -> what they are."""
+
+
+def binary_format(path: Path) -> str:
+    """What a file is by its first bytes, whatever its name says; "" where it may be text."""
+    if not path.is_file():
+        return ""
+    with path.open("rb") as content:
+        head = content.read(8)
+    return next((kind for first, kind in FORMAT_SIGNATURES.items() if head.startswith(first)), "")
+
+
 def found_instead_of_file(path: Path, name: str) -> str:
     """What is at a path where no regular file is, with its name."""
     if path.is_dir():

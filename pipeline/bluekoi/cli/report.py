@@ -30,6 +30,9 @@ def results_folder(study: Path, results: Path | None) -> Path:
         return study
     folder = results or Path("results") / study.resolve().name
     if not folder.is_dir():
+        if results is None and not study.exists() and str(study) != "demo":
+            expected = "a study folder or a results folder"
+            raise input_error(study, "", "no such folder", expected)
         remedy = f"Run it first: bluekoi run {study}, or name them with --results."
         raise input_error(folder, "", "no results", "the results of a run", remedy)
     return folder

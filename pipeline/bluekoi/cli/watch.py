@@ -58,8 +58,11 @@ def watch(study: Path, results: Path | None, cores: str, every_s: float) -> None
     being copied is read when its size no longer changes. After an error in the study is reported,
     the next change is awaited.
     """
+    from ..errors import input_error  # noqa: PLC0415
     from ..files import write_text  # noqa: PLC0415
 
+    if not study.is_dir():
+        raise input_error(study, "", "no such folder", "a study folder")
     over = threading.Event()
     before = [(n, signal.signal(n, lambda *_: over.set())) for n in (signal.SIGINT, signal.SIGTERM)]
     folder = results or Path("results") / study.resolve().name

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import input_error
-from ..files import atomic_write, read_text
+from ..files import atomic_write, binary_format, read_text
 from .types import Float
 
 
@@ -28,6 +28,8 @@ def read_columns(path: str | Path, required: tuple[str, ...]) -> dict[str, Float
 
     Raises: InputError naming the file and the missing column, or the row with a wrong cell.
     """
+    if kind := binary_format(Path(path)):
+        raise input_error(path, "", kind, "a csv file in UTF-8", "Save it as CSV UTF-8.")
     try:
         text = read_text(path)
     except (OSError, UnicodeDecodeError) as error:

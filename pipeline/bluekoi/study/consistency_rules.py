@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .types import Trial
 
 COMBINED_FIELDS_ERROR = "together"
+UNITS_REMEDY = "Units are m, kg and kg m2."
 MIN_GYRATION_RADIUS_LENGTHS = 0.1
 """Radius of gyration over length: below, all mass would lie in the middle third of the body."""
 WIDTH_TO_HEIGHT_RANGE = (0.2, 1.5)
@@ -62,31 +63,45 @@ def setup_problems(setup: Setup) -> list[Problem]:
     """A robot that does not fit its pool, or is heavier than any: mostly other units than SI."""
     pool, robot = setup.pool, setup.robot
     length = robot.body_length_m
-    half = 0.5 * (length + robot.tail_length_m)
     cube = setup.water.density_kg_m3 * length * length * length  # infinite where `**` would raise
-    rod = robot.mass_kg * half * half
     limits = (
         ("body_length_m", pool.length_m, f"a robot shorter than the pool ({pool.length_m:g} m)"),
         ("head_span_m", length, f"a head less high than the robot is long ({length:g} m)"),
         ("keypoint_depth_m", pool.depth_m, f"a depth within the water ({pool.depth_m:g} m)"),
         ("mass_kg", cube, f"less than a cube of water of the robot's length ({cube:.3g} kg)"),
-        (
-            "yaw_inertia_kg_m2",
-            rod,
-            f"less than all mass at nose and tail tip would have ({rod:.3g} kg m2)",
-        ),
     )
     too_large = [
-        Problem(f"robot.{key}", f"{getattr(robot, key):g}", expected, "Units are m, kg and kg m2.")
+        Problem(f"robot.{key}", f"{getattr(robot, key):g}", expected, UNITS_REMEDY)
         for key, limit, expected in limits
         if getattr(robot, key) >= limit
     ]
     return [
         *too_large,
+        *_inertia_problems(setup),
         *_corner_height_problems(setup),
         *_unknown_bodypart_problems(setup.bodyparts),
         *_shared_name_problems(setup.bodyparts),
     ]
+
+
+def _inertia_problems(setup: Setup) -> list[Problem]:
+    """A yaw inertia that the mass cannot have; the mass is named where it is too small for the
+    robot's size.
+    """
+    robot = setup.robot
+    half = 0.5 * (robot.body_length_m + robot.tail_length_m)
+    rod, inertia = robot.mass_kg * half * half, robot.yaw_inertia_kg_m2
+    if inertia < rod:
+        return []
+    volume = robot.body_length_m * robot.head_span_m * robot.head_span_m
+    if robot.mass_kg < WIDTH_TO_HEIGHT_RANGE[0] * setup.water.density_kg_m3 * volume:
+        expected = (
+            f"a mass with which yaw_inertia_kg_m2 {inertia:g} is possible: all of this one at nose "
+            f"and tail tip would have {rod:.3g} kg m2"
+        )
+        return [Problem("robot.mass_kg", f"{robot.mass_kg:g}", expected, UNITS_REMEDY)]
+    expected = f"less than all mass at nose and tail tip would have ({rod:.3g} kg m2)"
+    return [Problem("robot.yaw_inertia_kg_m2", f"{inertia:g}", expected, UNITS_REMEDY)]
 
 
 def setup_warnings(setup: Setup) -> list[str]:
@@ -208,11 +223,14 @@ def _lens_problems(camera: Camera) -> list[Problem]:
 
 
 def _matrix_problems(matrix: Sequence[Sequence[float]]) -> list[Problem]:
-    (fx, _, _), (below, fy, _), last = matrix
+    (fx, skew, _), (below, fy, _), last = matrix
     shape = "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"
     problems = []
     if fx <= 0 or fy <= 0:
         problems.append(Problem("matrix", f"fx {fx:g}, fy {fy:g}", "positive focal lengths"))
+    if skew != 0:
+        found, remedy = f"a first row {list(matrix[0])}", "Calibrate the lens with a skew of 0."
+        problems.append(Problem("matrix", found, shape, remedy))
     if below != 0 or tuple(last) != (0, 0, 1):
         problems.append(Problem("matrix", f"rows {list(matrix[1])} and {list(last)}", shape))
     return problems

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ..errors import Finding, InputError
 from ..files import found_instead_of_file
+from .image_files import IMAGE_SUFFIXES
 from .study_yaml import read_setup
 from .trials_csv import read_trials
 from .types import Study, Trial
@@ -48,7 +49,8 @@ def missing_files_of_trial(study: Study, trial: Trial) -> list[Finding]:
     motor = study.motor_path(trial)
     paths = [*study.paths(trial), *([motor] if motor else [])]
     return [
-        Finding(
+        _folder_without_pictures(study, trial, path)
+        or Finding(
             str(study.root / "trials.csv"),
             f"trial {trial.trial_id}",
             found_instead_of_file(path, f"'{_path_from_csv_cell(path, study.root)}'"),
@@ -57,6 +59,20 @@ def missing_files_of_trial(study: Study, trial: Trial) -> list[Finding]:
         for path in paths
         if not path.is_file()
     ]
+
+
+def _folder_without_pictures(study: Study, trial: Trial, path: Path) -> Finding | None:
+    """A finding for a source that is a folder in which there is no picture."""
+    if path == study.motor_path(trial) or not (trial.reads_images and path.is_dir()):
+        return None
+    empty = next(path.iterdir(), None) is None
+    what = "an empty folder" if empty else "a folder without pictures:"
+    return Finding(
+        str(study.root / "trials.csv"),
+        f"trial {trial.trial_id}, source",
+        f"{what} '{_path_from_csv_cell(path, study.root)}'",
+        f"pictures in it ({', '.join(IMAGE_SUFFIXES)}), or another file",
+    )
 
 
 def _path_from_csv_cell(path: Path, root: Path) -> Path:

@@ -10,7 +10,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from ..errors import Finding, did_you_mean, unreadable_reason
-from ..files import read_text
+from ..files import binary_format, read_text
 from .image_files import names_images
 from .types import KEYPOINT_SUFFIXES, VIDEO_SUFFIXES, Trial
 from .validation_messages import (
@@ -25,6 +25,8 @@ Rows = list[tuple[int, list[str]]]
 MAX_LISTED_COLUMNS, MAX_SHOWN_NAME = 5, 40
 """Unknown columns that are listed one by one, and characters of a name that are compared."""
 PATH_RULE = "a path without '..': relative to the study folder, or absolute"
+SAVE_REMEDY = "Save it as CSV UTF-8."
+OPEN_QUOTE_REMEDY = "Take the mark out, or close it."
 READ_ERRORS = (OSError, UnicodeDecodeError, csv.Error)
 
 
@@ -63,26 +65,47 @@ def _trial_id_in_row(names: list[str], row: list[str]) -> str | None:
 
 
 def _read_numbered_rows(path: Path, findings: list[Finding]) -> Rows:
-    """Rows that are not blank, each with its line number in the file."""
+    """Rows that are not blank, each with the number of its first line in the file."""
     try:
-        reader = csv.reader(io.StringIO(read_text(path, MAX_CSV_BYTES), newline=""))
-        rows = [(reader.line_num, row) for row in reader if any(c.strip() for c in row)]
+        if kind := binary_format(path):
+            findings.append(Finding(str(path), "", kind, "a csv file in UTF-8", SAVE_REMEDY))
+            return []
+        rows = _numbered_rows(read_text(path, MAX_CSV_BYTES))
     except FileNotFoundError:
         findings.append(Finding(str(path), "", "no such file", "a trials.csv, one row a trial"))
         return []
     except READ_ERRORS as error:
-        remedy = "Save it as CSV UTF-8." if isinstance(error, UnicodeDecodeError) else ""
+        remedy = SAVE_REMEDY if isinstance(error, UnicodeDecodeError) else ""
         found = f"no readable csv ({unreadable_reason(error)})"
         findings.append(Finding(str(path), "", found, "a csv file in UTF-8", remedy))
         return []
+    wrong = _table_finding(str(path), rows)
+    findings.extend([wrong] if wrong else [])
+    return [] if wrong else rows
+
+
+def _table_finding(path: str, rows: Rows) -> Finding | None:
+    """What is wrong with a table as a whole: too many rows, none, or a quotation mark left open."""
     if len(rows) > MAX_TRIALS + 1:
-        found, remedy = f"{len(rows) - 1} rows", "Split it into several studies."
-        findings.append(Finding(str(path), "", found, f"{MAX_TRIALS} trials at most", remedy))
-        return []
+        expected, remedy = f"{MAX_TRIALS} trials at most", "Split it into several studies."
+        return Finding(path, "", f"{len(rows) - 1} rows", expected, remedy)
+    if open_quote := next((n for n, row in rows if any("\n" in cell for cell in row)), None):
+        found, remedy = "a quotation mark that is not closed in its row", OPEN_QUOTE_REMEDY
+        return Finding(path, f"row {open_quote}", found, "a row a trial", remedy)
     if len(rows) < 2:
         found = "a header without rows" if rows else "an empty file"
-        findings.append(Finding(str(path), "", found, "a header and a row a trial"))
-        return []
+        return Finding(path, "", found, "a header and a row a trial")
+    return None
+
+
+def _numbered_rows(text: str) -> Rows:
+    """Rows of a csv that are not blank, each with the number of its first line."""
+    reader = csv.reader(io.StringIO(text, newline=""))
+    rows, before = [], 0
+    for row in reader:
+        if any(cell.strip() for cell in row):
+            rows.append((before + 1, row))
+        before = reader.line_num
     return rows
 
 

@@ -61,6 +61,9 @@ def _finding_from_item(
     if item["type"] == "extra_forbidden":
         remedy = did_you_mean(str(location[-1]), _keys_of_same_section(model, location[:-1]))
         return Finding(path, where, "an unknown key", "a known key", remedy)
+    if item["type"] == "invalid_key":
+        return Finding(path, where, f"the key {shortened_repr(item['input'])}",
+                       "a name before each colon", _key_remedy(item["input"]))  # fmt: skip
     if item["type"] == "missing":
         thing = "an entry here" if isinstance(location[-1], int) else "this key, which is required"
         return Finding(path, where, "nothing", thing)
@@ -68,6 +71,12 @@ def _finding_from_item(
         remedy = REMEDIES.get(where, "")
         return Finding(path, where, "nothing", _expected_text(item), remedy)
     return Finding(path, where, shortened_repr(item["input"]), _expected_text(item), _remedy(item))
+
+
+def _key_remedy(key: object) -> str:
+    """For a number as a key, as the end of a number with a decimal comma is in braces."""
+    is_number = isinstance(key, int | float) and not isinstance(key, bool)
+    return DECIMAL_POINT_REMEDY if is_number else ""
 
 
 def _remedy(item: dict[str, Any]) -> str:

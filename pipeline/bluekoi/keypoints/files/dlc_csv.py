@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...errors import InputError, did_you_mean, input_error, unreadable_reason
+from ...files import binary_format
 from .table import Table, build_table, frame_numbers
 
 HEADER_ROWS = ("scorer", "individuals", "bodyparts", "coords")
@@ -45,6 +46,10 @@ def read_csv(path: Path) -> Table:
 
 def _nonempty_rows(path: Path) -> list[tuple[int, list[str]]]:
     """Line numbers and cells of all rows that hold anything at all."""
+    if kind := binary_format(path):
+        remedy = "Give it the ending .h5, also in trials.csv." if "HDF5" in kind else ""
+        raise input_error(path, "", kind, "a DeepLabCut csv in UTF-8",
+                          remedy or "Save it as CSV UTF-8.")  # fmt: skip
     try:
         with path.open(encoding="utf-8-sig", newline="") as lines:
             rows = [(i, row) for i, row in enumerate(csv.reader(lines), start=1) if any(row)]

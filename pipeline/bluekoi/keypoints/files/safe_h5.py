@@ -10,13 +10,31 @@ from typing import Any
 import h5py
 
 from ...errors import input_error
+from ...files import binary_format
 
 MAX_CELLS = 50_000_000
+TEXT_BYTES = 512
+"""A file whose first bytes are all printable is text."""
+
+
+def not_h5(path: Path) -> str:
+    """What a file is that is certainly no h5: a workbook or text; "" for others."""
+    kind = binary_format(path)
+    if kind:
+        return "" if "HDF5" in kind else kind
+    with path.open("rb") as content:
+        head = content.read(TEXT_BYTES)
+    printable = all(byte >= 0x20 or byte in b"\t\r\n" for byte in head)
+    return "text, as in a csv file" if head and printable else ""
 
 
 @contextmanager
 def open_h5(path: Path) -> Iterator[Any]:
     """An open h5 file; what goes wrong while reading it becomes a InputError that names it."""
+    if kind := not_h5(path):
+        raise input_error(
+            path, "", kind, "a DeepLabCut or SLEAP h5", "Its ending must be that of its format."
+        )
     try:
         with h5py.File(path, "r") as file:
             yield file

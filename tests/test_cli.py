@@ -131,7 +131,7 @@ def test_check_of_a_good_study_says_what_is_in_it(tmp_path):
 def test_check_says_what_it_cannot_check_of_a_film(tmp_path):
     study = small_study(tmp_path / "study")
     (study / "videos").mkdir()
-    encode_h264(study / "videos/T10.mp4", [np.full((1080, 1920, 3), 90, np.uint8)] * 3, fps=30,
+    encode_h264(study / "videos/T10.mp4", [np.full((1080, 1920, 3), 90, np.uint8)] * 8, fps=30,
                 size=(1920, 1080))  # fmt: skip
     edit_trials_csv(study, T10={"source": "videos/T10.mp4", "fps": ""})
     result = bluekoi("check", study)
@@ -159,7 +159,7 @@ def test_check_opens_what_a_run_would_open(tmp_path):
     edit_trials_csv(study, T11={"start_s": "100", "end_s": "200"})
     result = bluekoi("check", study)
     assert result.exit_code == 1
-    for words in ("motor/T09.csv", "keypoints/T10.csv", "no frame in that part"):
+    for words in ("motor/T09.csv", "keypoints/T10.csv", "found 100 s to 200 s"):
         assert words in result.output
 
 

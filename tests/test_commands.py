@@ -117,6 +117,7 @@ def test_a_film_that_cannot_be_read_is_listed_with_its_reason(lab_folder):
 
 def test_report_shows_verdict_causes_and_page(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "lab").mkdir()
     assert "no results; expected the results of a run" in bluekoi("report", "lab").output
     results = tmp_path / "results/lab"
     results.mkdir(parents=True)

@@ -21,6 +21,7 @@ from bluekoi.motor import (
     tail_beat_from_video,
     tail_beat_lag,
 )
+from bluekoi.motor.motor_log import log_coverage
 from bluekoi.motor.shaft_angle import wrap_angle
 
 
@@ -191,6 +192,14 @@ def test_wrong_logs_are_reported_with_their_cure(tmp_path, name, message):
     with pytest.raises(InputError, match=message) as raised:
         flapping_from_log(path)
     assert path.name in str(raised.value)
+
+
+def test_a_recording_that_begins_after_its_log_is_asked_for_its_frame_numbers(tmp_path):
+    log = write_log(tmp_path / "m.csv", *shaft_log(np.random.default_rng(3)))
+    with pytest.raises(
+        InputError, match=r"first frame used is at 33\.37 s: do frame numbers begin"
+    ):
+        log_coverage(log, flapping_from_log(log), (33.37, 37.3))
 
 
 def test_rows_without_numbers_are_left_out(tmp_path):

@@ -275,6 +275,20 @@ def test_an_error_of_the_camera_that_the_verdict_does_not_name_is_a_warning():
     assert length_warnings(found | {"likely": "keypoint_bias", "rivals": []}, None) == []
 
 
+@pytest.mark.parametrize(
+    ("index", "words"),
+    [
+        (1.0, "refractive_index is 1 in study.yaml, water has 1.333"),
+        (1.333, "Check keypoint_depth_m and the water's depth; refractive_index is 1.333"),
+    ],
+)
+def test_refraction_that_the_verdict_does_not_name_is_looked_for_in_its_keys(index, words):
+    found = {"likely": "uncorrected_refraction", "rivals": [], "sentence": "index +0.233"}
+    (text,) = length_warnings(found, {"causes": []}, index)
+    assert words in text
+    assert "pool_corners_px" not in text
+
+
 SPEED_DEVIATIONS = np.array([-0.07, -0.03, 0.13, 0.05, -0.05, -0.10, 0.02, 0.17, -0.17]) * 1e-2
 
 

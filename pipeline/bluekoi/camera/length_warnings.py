@@ -18,23 +18,28 @@ CAMERA_OUTCOMES = ("camera_shift", "lens_error", "uncorrected_refraction")
 """Hypotheses of the geometry check that are an error of the camera."""
 SCALE_CAUSES = ("scale_error", "uncorrected_refraction", "lens_error", "sinking")
 """Causes that account for rigid lengths of another size."""
+INDEX_OF_WATER, MAX_INDEX_DIFFERENCE = 1.333, 0.01
+"""Refractive index of water, and how far that of warm, cold or salt water may be from it."""
 MIN_CAUSE_PROBABILITY = 0.5
 """A cause below this probability accounts for nothing."""
 
 
 def length_warnings(
-    geometry: Mapping[str, Any] | None, mismatch: Mapping[str, Any] | None
+    geometry: Mapping[str, Any] | None,
+    mismatch: Mapping[str, Any] | None,
+    refractive_index: float = INDEX_OF_WATER,
 ) -> list[str]:
     """A sentence for each doubt that the rigid lengths raise and the verdict does not settle: their
     size, an error of the camera by their pattern over the pool, trials that differ from the others.
 
-    geometry, mismatch: content of geometry.json and mismatch.json.
+    geometry, mismatch: content of geometry.json and mismatch.json. refractive_index: that of
+    study.yaml.
     """
     causes = (mismatch or {}).get("causes") or []
     named = {c["name"] for c in causes if c.get("weight", 1.0) >= MIN_CAUSE_PROBABILITY}
     return [
         *_scale_warnings(geometry or {}, named),
-        *_camera_error_warnings(geometry or {}, named),
+        *_camera_error_warnings(geometry or {}, named, refractive_index),
         *_deviating_trial_warnings((geometry or {}).get("by_trial") or {}),
     ]
 
@@ -56,14 +61,26 @@ def _scale_warnings(geometry: Mapping[str, Any], named: set[str]) -> Iterator[st
     )
 
 
-def _camera_error_warnings(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:
+def _camera_error_warnings(
+    geometry: Mapping[str, Any], named: set[str], refractive_index: float
+) -> Iterator[str]:
     likely = geometry.get("likely")
     if likely in CAMERA_OUTCOMES and not named & {*CAMERA_OUTCOMES, *geometry.get("rivals", ())}:
         yield (
             f"The pattern of the robot's rigid lengths over the pool shows {likely}, which the "
-            f"verdict does not name: {geometry.get('sentence', '')}. Check pool_corners_px, their "
-            "order, and the camera's matrix against the recordings."
+            f"verdict does not name: {geometry.get('sentence', '')}. "
+            + _camera_remedy(str(likely), refractive_index)
         )
+
+
+def _camera_remedy(likely: str, refractive_index: float) -> str:
+    """What to check in study.yaml for an error of the camera."""
+    if likely != "uncorrected_refraction":
+        return "Check pool_corners_px, their order, and the camera's matrix against the recordings."
+    stated = f"refractive_index is {refractive_index:g} in study.yaml"
+    if abs(refractive_index - INDEX_OF_WATER) > MAX_INDEX_DIFFERENCE:
+        return f"{stated}, water has {INDEX_OF_WATER:g}: correct it, and check keypoint_depth_m."
+    return f"Check keypoint_depth_m and the water's depth; {stated}."
 
 
 def _deviating_trial_warnings(by_trial: Mapping[str, Mapping[str, float]]) -> Iterator[str]:

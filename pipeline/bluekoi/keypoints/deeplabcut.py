@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..data import MIN_LIKELIHOOD, Keypoints, read_columns, write_columns
-from ..errors import input_error
+from ..data import MIN_LIKELIHOOD, Float, Keypoints, read_columns, write_columns
+from ..errors import InputError, input_error
 from ..files import atomic_write
 from ..study import Trial
 from .files.dlc_csv import read_csv
@@ -20,6 +20,7 @@ from .sleap import is_sleap, read_slp
 from .sleap import read_table as read_sleap
 
 SCORER = "bluekoi"
+TRIALS_FILE = "trials.csv"
 COVARIANCE_ENTRIES = (("xx", 0, 0), ("xy", 0, 1), ("yy", 1, 1))
 
 
@@ -39,11 +40,22 @@ def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -
     limit = {"min_likelihood": MIN_LIKELIHOOD} if is_own(Path(path)) else {}
     found = to_keypoints(table, Path(path), fps=fps, bodyparts=bodyparts, part_s=part_s, **limit)
     if len(found.time_s) == 0:
-        raise input_error(
-            path, "start_s, end_s", "no frame in that part", "a part inside the recording"
-        )
+        raise _empty_part_error(Path(path), trial, table.frame / fps)
     sidecar = covariance_path(path)
     return _with_stored_covariance(found, sidecar) if sidecar.is_file() else found
+
+
+def _empty_part_error(path: Path, trial: Trial, time_s: Float) -> InputError:
+    """What is said where no frame of a file, at times (frames,) s, is between start_s and end_s."""
+    if len(time_s) == 0:
+        return input_error(path, "", "no frame", "a row a frame")
+    asked = {"start_s": trial.start_s, "end_s": trial.end_s}
+    given = {key: value for key, value in asked.items() if value is not None}
+    return input_error(
+        TRIALS_FILE, f"trial {trial.trial_id}, {', '.join(given)}",
+        " to ".join(f"{value:g} s" for value in given.values()),
+        f"a part of {path.name}, whose frames are from {time_s[0]:.4g} to {time_s[-1]:.4g} s",
+    )  # fmt: skip
 
 
 def is_own(path: Path) -> bool:

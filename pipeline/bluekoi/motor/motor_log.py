@@ -90,10 +90,14 @@ def log_coverage(path: str | Path, flapping: Flapping, recording_s: tuple[float,
     first, last = float(flapping.time_s[0]), float(flapping.time_s[-1])
     if first < end and last > begin:
         return (min(last, end) - max(first, begin)) / (end - begin)
+    late = (
+        f"The first frame used is at {begin:.4g} s: do frame numbers begin at 0, is start_s right?"
+    )
+    early = "Time 0 is the first frame of the recording: subtract its time from the column."
     raise input_error(
         path, "time_s", f"times from {first:.10g} to {last:.10g} s",
         f"times of the recording, {begin:.4g} to {end:.4g} s",
-        "Time 0 is the first frame of the recording: subtract its time from the column.",
+        late if last <= begin and begin > 0 else early,
     )  # fmt: skip
 
 

@@ -101,7 +101,9 @@ def warnings(campaign: Campaign) -> list[str]:
     """
     found = trial_warnings(campaign.study, campaign.statuses) + _uncalibrated_remark(campaign)
     found += unchecked_clock_notes(campaign.study)
-    found += length_warnings(campaign.geometry, campaign.mismatch)
+    found += length_warnings(
+        campaign.geometry, campaign.mismatch, campaign.study.setup.water.refractive_index
+    )
     found += [_as_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     if campaign.mismatch and cells and not any(c.get("determined", True) for c in cells.values()):

@@ -33,10 +33,11 @@ def outcome(study: Path, results: Path) -> list[str]:
     geometry, mismatch = (
         read_json_if_present(results / f"{n}.json") for n in ("geometry", "mismatch")
     )
+    index = loaded.setup.water.refractive_index
     warnings = [
         *trial_warnings(loaded, statuses),
         *unchecked_clock_notes(loaded),
-        *length_warnings(geometry, mismatch),
+        *length_warnings(geometry, mismatch, index),
     ]
     remove_files([done])
     if changed := write_manifest(study, results):

@@ -1,0 +1,51 @@
+"""Mistakes that `bluekoi check` names by their cause rather than by what follows from them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bluekoi.footage import encode_h264
+from bluekoi.preparation.input_check import file_findings
+from bluekoi.study import load_study
+from small_studies import edit_trials_csv, small_study
+
+
+@pytest.fixture
+def study(tmp_path):
+    return small_study(tmp_path / "study")
+
+
+def only_finding(study):
+    (finding,) = file_findings(load_study(study))
+    return finding
+
+
+def test_a_part_of_two_frames_is_named_and_not_the_likelihoods(study):
+    edit_trials_csv(study, T10={"start_s": "1", "end_s": "1.05"})
+    finding = only_finding(study)
+    assert finding.file == str(study / "trials.csv")
+    assert finding.where == "trial T10, start_s, end_s"
+    assert finding.found == "a part of 2 frames (start_s 1, end_s 1.05)"
+    assert finding.expected.startswith("8 at least, 0.27 s at 29.97 frames/s")
+
+
+def test_a_start_beyond_the_recording_is_named_with_its_row_and_the_recording_s_length(study):
+    edit_trials_csv(study, T10={"start_s": "1000"})
+    finding = only_finding(study)
+    assert finding.file == str(study / "trials.csv")
+    assert finding.where == "trial T10, start_s"
+    assert finding.found == "1000 s"
+    assert "T10.csv, whose frames are from 0 to " in finding.expected
+
+
+@pytest.mark.parametrize("log", ["motor/T10.csv", ""])
+def test_a_video_of_one_frame_is_named_and_not_its_motor_log(study, log):
+    size = load_study(study).setup.camera.image_size_px
+    picture = np.full((size[1], size[0], 3), 90, np.uint8)
+    encode_h264(study / "T10.mp4", [picture], fps=30, size=size)
+    edit_trials_csv(study, T10={"source": "T10.mp4", "fps": "", "motor_log": log})
+    finding = only_finding(study)
+    assert finding.file == str(study / "T10.mp4")
+    assert finding.found == "a recording of 1 frame"
+    assert finding.expected.startswith("8 at least, 0.27 s at 30 frames/s")

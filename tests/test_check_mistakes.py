@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import yaml
 
 from bluekoi.footage import encode_h264
 from bluekoi.preparation.input_check import file_findings
@@ -49,3 +50,50 @@ def test_a_video_of_one_frame_is_named_and_not_its_motor_log(study, log):
     assert finding.file == str(study / "T10.mp4")
     assert finding.found == "a recording of 1 frame"
     assert finding.expected.startswith("8 at least, 0.27 s at 30 frames/s")
+
+
+def change_robot(study, **lengths):
+    path = study / "study.yaml"
+    content = yaml.safe_load(path.read_text())
+    content["robot"] |= lengths
+    path.write_text(yaml.safe_dump(content))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "measured", "fitting"),
+    [
+        ("hinge_to_com_m", 0.08, "hinge to core_center measures 0.040 m in 3 of 3", "same"),
+        ("body_length_m", 0.397, "it measures 0.171 m in 3 of 3", "0.331 m (or robot.head_"),
+        ("head_length_m", 0.175, "it measures 0.171 m in 3 of 3", "0.120 m (or robot.body_"),
+    ],
+)
+def test_a_length_that_all_trials_contradict_is_named_once(study, key, value, measured, fitting):
+    change_robot(study, **{key: value})
+    finding = only_finding(study)
+    assert finding.file == str(study / "study.yaml")
+    assert finding.where == f"robot.{key}"
+    assert finding.found.startswith(f"{value:g} m")
+    assert measured in finding.found
+    assert fitting in finding.expected
+
+
+def test_a_head_length_that_one_trial_has_wrong_is_that_trial_s(study):
+    edit_trials_csv(study, T10={"head_length_m": "0.175"})
+    finding = only_finding(study)
+    assert finding.where == "trial T10"
+    assert finding.file == str(study / "trials.csv")
+
+
+def test_head_angles_in_radians_are_one_message(study):
+    edit_trials_csv(study, T10={"head_angle_deg": "0.5236"}, T11={"head_angle_deg": "-0.7854"})
+    finding = only_finding(study)
+    assert finding.where == "head_angle_deg"
+    assert finding.found.startswith("0.5236 where the head is turned by 30 degrees (trial T10)")
+    assert "multiply the column by 180/pi" in finding.remedy
+
+
+def test_one_head_angle_in_radians_is_asked_for_in_its_own_trial(study):
+    edit_trials_csv(study, T10={"head_angle_deg": "0.5236"})
+    finding = only_finding(study)
+    assert finding.where == "trial T10"
+    assert "Is it in radians?" in finding.remedy

@@ -17,6 +17,7 @@ from ..errors import Finding, InputError, input_error
 from ..study import Study, Trial
 from . import rigid_pose
 from .body import body_lengths, trusted_points
+from .common_mistakes import HeadAngleFinding, LengthFinding, seems_in_radians
 from .trial_comparison import (
     PART_SOURCES,
     mean_head_angle_deg,
@@ -109,8 +110,15 @@ def _length_findings(
     bad = off > np.maximum(MAX_LENGTH_ERROR_SHARE * scale * said, MAX_LENGTH_ERROR_M)
     remedy = "Is head_length_m that of this trial, and does each keypoint bear its own name?"
     return [
-        Finding(
-            table, place, f"{name} of {1000 * a:.0f} mm in the pool", f"{1000 * b:.0f} mm", remedy
+        LengthFinding(
+            table,
+            place,
+            f"{name} of {1000 * a:.0f} mm in the pool",
+            f"{1000 * b:.0f} mm",
+            remedy,
+            trial_id=trial.trial_id,
+            seen_m=tuple(seen.tolist()),
+            stated_m=tuple(said.tolist()),
         )
         for name, a, b, wrong in zip(names, seen, said, bad, strict=True)
         if wrong
@@ -145,17 +153,33 @@ def _head_angle_findings(table: str, place: str, trial: Trial, pose: Pose) -> li
     if not abs(signed_turn_deg(seen - trial.head_angle_deg)) > MAX_HEAD_ANGLE_ERROR_DEG:
         return []
     found = f"a head angle of {seen:.0f} degrees in the second half of the recording"
-    other = abs(signed_turn_deg(seen + trial.head_angle_deg))
-    mirrored = other <= MAX_HEAD_ANGLE_ERROR_DEG / 2
+    stated = trial.head_angle_deg
+    return [
+        HeadAngleFinding(
+            table,
+            place,
+            found,
+            f"head_angle_deg {stated:g}",
+            _head_angle_remedy(seen, stated),
+            trial_id=trial.trial_id,
+            seen_deg=seen,
+            stated_deg=stated,
+        )
+    ]
+
+
+def _head_angle_remedy(seen_deg: float, stated_deg: float) -> str:
+    """What a head angle that is not the stated one is usually due to."""
+    if seems_in_radians(seen_deg, stated_deg):
+        return "Is it in radians? Write degrees."
     convention = "head_angle_deg is positive where the head points to the robot's right."
-    remedy = (
-        f"The sign is the other one: write head_angle_deg {-trial.head_angle_deg:g} if the head "
+    if abs(signed_turn_deg(seen_deg + stated_deg)) > MAX_HEAD_ANGLE_ERROR_DEG / 2:
+        return f"{convention} Is it another trial's row?"
+    return (
+        f"The sign is the other one: write head_angle_deg {-stated_deg:g} if the head "
         f"turned to that side. {convention} If it did not, the picture is mirrored: are x and y "
         "exchanged in the keypoint file, or are the pool's corners in another order?"
-        if mirrored
-        else f"{convention} Is it another trial's row?"
     )
-    return [Finding(table, place, found, f"head_angle_deg {trial.head_angle_deg:g}", remedy)]
 
 
 def _outside_pool_findings(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:

@@ -21,6 +21,7 @@ from ..motor import flapping_from_log, flapping_record, trial_flapping
 from ..motor.motor_log import log_coverage
 from ..motor.swimming_plausibility import tail_length_seen
 from ..pose.body import RIGID_PARTS
+from ..pose.common_mistakes import merge_common_mistakes
 from ..pose.fit import usable_frames
 from ..pose.plausibility import plausible_pose
 from ..pose.trial_comparison import body_record
@@ -63,7 +64,7 @@ def check_files(
         except InputError as error:
             found += [_with_study_folder(study.root, one) for one in error.findings]
         progress(done / len(study.trials))
-    return found, statuses
+    return merge_common_mistakes(study, found), statuses
 
 
 def _with_study_folder(folder: Path, finding: Finding) -> Finding:

@@ -1,0 +1,148 @@
+"""One message for a mistake that most trials show alike: a length of study.yaml, or head angles in
+radians.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees, radians
+
+import numpy as np
+
+from ..data import Float
+from ..errors import Finding
+from ..study import Study
+from .trial_comparison import (
+    MIN_HEAD_ANGLE_DEVIATION_DEG,
+    MIN_PART_ERROR_M,
+    signed_turn_deg,
+)
+
+MIN_AGREEING_TRIALS = 2
+"""Trials without which a mistake is not called common to them."""
+MAX_OTHER_ERROR_M = 0.02
+"""Errors of lengths up to this one are those of keypoints, not of a key of study.yaml."""
+MAX_RADIANS = radians(120)
+"""Largest head angle that trials.csv may state, in radians."""
+CORE_REMEDY = "Is core_center the centre of mass, and does each keypoint bear its own name?"
+
+
+@dataclass(frozen=True)
+class LengthFinding(Finding):
+    """A part of another length than stated; seen_m, stated_m: head, hinge and tail as in
+    `PART_SOURCES`.
+    """
+
+    trial_id: str = ""
+    seen_m: tuple[float, ...] = ()
+    stated_m: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class HeadAngleFinding(Finding):
+    """A head angle that is not the stated one."""
+
+    trial_id: str = ""
+    seen_deg: float = 0.0
+    stated_deg: float = 0.0
+
+
+def merge_common_mistakes(study: Study, found: Sequence[Finding]) -> list[Finding]:
+    """The findings, those of a mistake that most trials show alike replaced by one."""
+    return _with_one_angle_finding(study, _with_one_length_finding(study, found))
+
+
+def seems_in_radians(seen_deg: float, stated_deg: float) -> bool:
+    """Whether a stated head angle is the one seen if its number is in radians."""
+    if stated_deg == 0 or abs(stated_deg) > MAX_RADIANS:
+        return False
+    return abs(signed_turn_deg(seen_deg - degrees(stated_deg))) <= MIN_HEAD_ANGLE_DEVIATION_DEG
+
+
+def _with_one_angle_finding(study: Study, found: Sequence[Finding]) -> list[Finding]:
+    wrong = [one for one in found if isinstance(one, HeadAngleFinding)]
+    stated = [abs(trial.head_angle_deg) for trial in study.trials]
+    alike = all(seems_in_radians(one.seen_deg, one.stated_deg) for one in wrong)
+    if len(wrong) < MIN_AGREEING_TRIALS or max(stated) > MAX_RADIANS or not alike:
+        return list(found)
+    first = wrong[0]
+    text = (
+        f"{first.stated_deg:g} where the head is turned by {first.seen_deg:.0f} degrees (trial "
+        f"{first.trial_id}), and alike in {len(wrong)} trials"
+    )
+    remedy = "The numbers are radians: multiply the column by 180/pi."
+    one = Finding(first.file, "head_angle_deg", text, "degrees", remedy)
+    return [one, *(other for other in found if not isinstance(other, HeadAngleFinding))]
+
+
+def _with_one_length_finding(study: Study, found: Sequence[Finding]) -> list[Finding]:
+    wrong = [one for one in found if isinstance(one, LengthFinding)]
+    keys = {one.trial_id: _wrong_length(_errors_m(one)) for one in wrong}
+    key, times = Counter(keys.values()).most_common(1)[0] if keys else ("", 0)
+    trials = sum(trial.reads_keypoints for trial in study.trials)
+    if not key or times < MIN_AGREEING_TRIALS or 2 * times <= trials:
+        return list(found)
+    alike = [one for one in wrong if keys[one.trial_id] == key]
+    seen = np.median([one.seen_m for one in alike], axis=0)
+    count = f"in {times} of {trials} trials"
+    make = _hinge_finding if key == "hinge" else _body_finding
+    merged = {one.trial_id for one in alike}
+    others = (
+        other
+        for other in found
+        if not (isinstance(other, LengthFinding) and other.trial_id in merged)
+    )
+    return [make(study, seen, count), *others]
+
+
+def _errors_m(one: LengthFinding) -> Float:
+    return np.array(one.seen_m) - np.array(one.stated_m)
+
+
+def _wrong_length(errors_m: Float) -> str:
+    """The length of study.yaml that alone explains the errors of head, hinge and tail: `hinge`
+    (hinge_to_com_m), `body` (body_length_m or head_length_m); "" where neither does.
+    """
+    head, hinge, tail = errors_m
+    if abs(head) > MAX_OTHER_ERROR_M:
+        return ""
+    if abs(hinge) > MAX_OTHER_ERROR_M:
+        return "hinge" if abs(hinge + tail) <= MAX_OTHER_ERROR_M else ""
+    return "body" if abs(tail) > MAX_OTHER_ERROR_M else ""
+
+
+def _hinge_finding(study: Study, seen_m: Float, count: str) -> Finding:
+    stated = study.setup.robot.hinge_to_com_m
+    return Finding(
+        str(study.root / "study.yaml"),
+        "robot.hinge_to_com_m",
+        f"{stated:g} m, while hinge to core_center measures {seen_m[1]:.3f} m {count}",
+        "the same length",
+        CORE_REMEDY,
+    )
+
+
+def _body_finding(study: Study, seen_m: Float, count: str) -> Finding:
+    """Only the difference of body_length_m and head_length_m is seen: the latter is named first
+    where a trial has the head that would fit.
+    """
+    robot = study.setup.robot
+    core = float(seen_m[2]) + robot.hinge_to_com_m
+    fitting = {
+        "head_length_m": robot.body_length_m - core,
+        "body_length_m": robot.head_length_m + core,
+    }
+    apart = [abs(trial.head_length_m - fitting["head_length_m"]) for trial in study.trials]
+    names = list(fitting) if min(apart) <= MIN_PART_ERROR_M else list(fitting)[::-1]
+    key, other = names
+    also = f" (or robot.{other} {fitting[other]:.3f})" if fitting[other] > 0 else ""
+    return Finding(
+        str(study.root / "study.yaml"),
+        f"robot.{key}",
+        f"{getattr(robot, key):g} m, by which core_center to tail_base is "
+        f"{robot.com_to_tail_base_m:.3f} m, while it measures {seen_m[2]:.3f} m {count}",
+        f"{fitting[key]:.3f} m{also}",
+        "body_length_m is nose to root of the tail with the head of robot.head_length_m.",
+    )

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 import yaml
 
+from bluekoi.files import read_json
 from bluekoi.footage import encode_h264
 from bluekoi.preparation.input_check import file_findings
+from bluekoi.stages.keypoints import keypoints
 from bluekoi.study import load_study
 from small_studies import edit_trials_csv, small_study
 
@@ -27,7 +29,7 @@ def test_a_part_of_two_frames_is_named_and_not_the_likelihoods(study):
     finding = only_finding(study)
     assert finding.file == str(study / "trials.csv")
     assert finding.where == "trial T10, start_s, end_s"
-    assert finding.found == "a part of 2 frames (start_s 1, end_s 1.05)"
+    assert finding.found == "a part of keypoints/T10.csv with 2 frames (start_s 1, end_s 1.05)"
     assert finding.expected.startswith("8 at least, 0.27 s at 29.97 frames/s")
 
 
@@ -50,6 +52,21 @@ def test_a_video_of_one_frame_is_named_and_not_its_motor_log(study, log):
     assert finding.file == str(study / "T10.mp4")
     assert finding.found == "a recording of 1 frame"
     assert finding.expected.startswith("8 at least, 0.27 s at 30 frames/s")
+
+
+@pytest.mark.parametrize(
+    ("cells", "words"),
+    [
+        ({"start_s": "1", "end_s": "1.05"}, "start_s, end_s: found a part of keypoints/T10.csv"),
+        ({"start_s": "1000"}, "trials.csv: trial T10, start_s: found 1000 s; expected a part of k"),
+    ],
+)
+def test_a_run_says_of_a_part_what_check_says(study, tmp_path, cells, words):
+    edit_trials_csv(study, T10=cells)
+    keypoints(study, tmp_path / "results", "T10")
+    message = read_json(tmp_path / "results/status/keypoints/T10.json")["message"]
+    assert words in message
+    assert not message.startswith("keypoints")
 
 
 def change_robot(study, **lengths):

@@ -57,6 +57,12 @@ class Recording:
         """Length of the whole recording by the number of its frames and their rate."""
         return self.frames_present / (self.fps or self.nominal_fps)
 
+    @property
+    def frames_in_part(self) -> int:
+        """Number of the frames from start_s to end_s, by their rate."""
+        end_s = min(self.end_s or self.duration_s, self.duration_s)
+        return round((end_s - (self.start_s or 0.0)) * (self.fps or self.nominal_fps))
+
 
 def open_recording(
     paths: Sequence[Path],

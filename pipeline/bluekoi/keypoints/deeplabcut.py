@@ -54,7 +54,7 @@ def _empty_part_error(path: Path, trial: Trial, time_s: Float) -> InputError:
     return input_error(
         TRIALS_FILE, f"trial {trial.trial_id}, {', '.join(given)}",
         " to ".join(f"{value:g} s" for value in given.values()),
-        f"a part of {path.name}, whose frames are from {time_s[0]:.4g} to {time_s[-1]:.4g} s",
+        f"a part of {trial.source}, whose frames are from {time_s[0]:.4g} to {time_s[-1]:.4g} s",
     )  # fmt: skip
 
 

@@ -26,6 +26,7 @@ from ..pose.fit import usable_frames
 from ..pose.plausibility import plausible_pose
 from ..pose.trial_comparison import body_record
 from ..study import Setup, Study, Trial
+from ..study.frame_count import check_frame_count
 from ..study.recording_pixels import setup_in_film_pixels
 
 FREQUENCY_TOLERANCE = 0.05
@@ -118,7 +119,7 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         found = source_module("deeplabcut").read(path, trial, study.setup.bodyparts)
         camera = study.setup.camera
         check_within_picture(path, found, camera.image_size_px if camera else None)
-        _check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
+        check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
         _check_usable_frames(path, found)
         positions = map_keypoints(
             pool_camera(study.setup), found, study.setup.robot.keypoint_depth_m
@@ -132,9 +133,7 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         )
         setup_in_film_pixels(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
         end_s = trial.end_s or film.duration_s
-        rate = film.fps or film.nominal_fps
-        part_s = min(end_s, film.duration_s) - (trial.start_s or 0.0)
-        _check_frame_count(study, trial, round(part_s * rate), rate)
+        check_frame_count(study, trial, film.frames_in_part, film.fps or film.nominal_fps)
     if (log := study.motor_path(trial)) is not None:
         flapping = flapping_from_log(log)
         logged = log_coverage(log, flapping, (trial.start_s or 0.0, end_s))
@@ -159,24 +158,6 @@ def _check_stated_frequency(study: Study, trial: Trial, log_hz: float) -> None:
             f"{log_hz:.3g} Hz, as {trial.motor_log} has it",
             "Leave flap_hz empty where there is a log; is the log this trial's?",
         )  # fmt: skip
-
-
-def _check_frame_count(study: Study, trial: Trial, frames: int, fps: float) -> None:
-    """Raises: InputError where a recording, or the part of it that start_s and end_s choose, has
-    fewer than `MIN_POSE_FRAMES` frames.
-    """
-    if frames >= MIN_POSE_FRAMES:
-        return
-    count = f"{frames} frame{'' if frames == 1 else 's'}"
-    expected = f"{MIN_POSE_FRAMES} at least, {MIN_POSE_FRAMES / fps:.2g} s at {fps:.4g} frames/s"
-    part = {"start_s": trial.start_s, "end_s": trial.end_s}
-    given = [f"{key} {value:g}" for key, value in part.items() if value is not None]
-    if not given:
-        raise input_error(study.paths(trial)[0], "", f"a recording of {count}", expected)
-    raise input_error(
-        study.root / "trials.csv", f"trial {trial.trial_id}, start_s, end_s",
-        f"a part of {count} ({', '.join(given)})", expected,
-    )  # fmt: skip
 
 
 def _check_usable_frames(path: Path, found: Keypoints) -> None:

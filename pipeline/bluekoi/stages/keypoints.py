@@ -14,6 +14,7 @@ from ..data import Float, Frame, Keypoints
 from ..errors import InputError, input_error
 from ..keypoints.deeplabcut import write
 from ..study import Study, Trial, load_study, missing_files_of_trial
+from ..study.frame_count import check_frame_count
 from .layout import Layout
 from .status import run_with_status
 
@@ -70,6 +71,7 @@ def _read_keypoint_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str
     found = sources.source_module("deeplabcut").read(
         study.paths(trial)[0], trial, study.setup.bodyparts
     )
+    check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
     return found, {"source": "deeplabcut", "frames_declared": len(found.time_s)}
 
 
@@ -84,6 +86,9 @@ def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoin
     detector = sources.source_module(study.setup.detection.source)
     recording = open_recording(
         study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
+    )
+    check_frame_count(
+        study, trial, recording.frames_in_part, recording.fps or recording.nominal_fps
     )
     colour = getattr(detector, "NEEDS_COLOUR", False)
 

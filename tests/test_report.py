@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from exact_campaign import campaign_with_damping_found, exact_campaign
 from bluekoi import figures
 from bluekoi.camera.plane_camera import homography_camera
 from bluekoi.campaign import Campaign
+from bluekoi.model import FLAP_HZ
 from bluekoi.report.findings import verdict, warnings
 from bluekoi.report.media import clips
 from bluekoi.report.numbers import format_number, format_percent, value_with_interval
@@ -63,7 +65,10 @@ def write_page(base: Campaign, folder: Path) -> str:
 
 @pytest.fixture
 def campaign_with_causes() -> Campaign:
-    return campaign_with_damping_found(exact_campaign())
+    base = campaign_with_damping_found(exact_campaign())
+    first, *others = base.study.trials
+    clocked = (first.model_copy(update={"flap_hz": FLAP_HZ[first.power_pct]}), *others)
+    return replace(base, study=base.study.model_copy(update={"trials": clocked}))
 
 
 def test_the_page_is_well_formed_and_needs_no_network(tmp_path, campaign_with_causes):

@@ -33,7 +33,7 @@ from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.tracks import _with_clock_remark, tracks
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study, missing_files_of_trial
-from bluekoi.study.consistency_rules import setup_warnings
+from bluekoi.study.setup_warnings import setup_warnings
 from bluekoi.trial_warnings import trial_warnings, unchecked_clock_notes
 from small_studies import edit_trials_csv, mapped_turn, small_study
 

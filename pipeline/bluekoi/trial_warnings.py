@@ -9,7 +9,7 @@ from .motor.power_consistency import power_warnings
 from .motor.swimming_plausibility import study_warnings, tail_warnings
 from .pose.trial_comparison import comparison_warnings
 from .study import Study
-from .study.consistency_rules import setup_warnings
+from .study.setup_warnings import setup_warnings
 
 NO_CLOCK_NOTE = (
     "No trial has a motor_log or flap_hz: nothing can check fps. A frame rate that is wrong by a "

@@ -1,0 +1,71 @@
+"""Doubts about the robot and the camera of a study that do not stop it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .consistency_rules import WIDTH_TO_HEIGHT_RANGE
+
+if TYPE_CHECKING:
+    from .setup import Camera, Robot, Setup
+
+MIN_GYRATION_RADIUS_LENGTHS = 0.1
+"""Radius of gyration over length: below, all mass would lie in the middle third of the body."""
+PRINCIPAL_POINT_OFFSET_SHARE = 0.1
+"""The axis of a lens meets the sensor within this share of its size from the middle."""
+
+
+def setup_warnings(setup: Setup) -> list[str]:
+    """A sentence where mass, yaw inertia and size are not those of one body, or the lens is not in
+    the middle of the picture. No motion shows the former: coefficients are proportional to the
+    mass, those of forces inversely to head span and density.
+    """
+    return [
+        *_gyration_radius_warnings(setup.robot),
+        *_body_volume_warnings(setup),
+        *_principal_point_warnings(setup.camera),
+    ]
+
+
+def _principal_point_warnings(camera: Camera) -> list[str]:
+    if camera.matrix is None or camera.image_size_px is None:
+        return []
+    point, size = (camera.matrix[0][2], camera.matrix[1][2]), camera.image_size_px
+    off = max(abs(at / full - 0.5) for at, full in zip(point, size, strict=True))
+    if off <= PRINCIPAL_POINT_OFFSET_SHARE:
+        return []
+    return [
+        f"The camera matrix has the axis of the lens at ({point[0]:.0f}, {point[1]:.0f}) px, "
+        f"{100 * off:.0f} % of the picture from the middle of its {size[0]} x {size[1]} px. Is "
+        "image_size_px the size of the calibration's pictures? A cropped picture is no whole one."
+    ]
+
+
+def _gyration_radius_warnings(robot: Robot) -> list[str]:
+    length = robot.body_length_m + robot.tail_length_m
+    radius = (robot.yaw_inertia_kg_m2 / robot.mass_kg) ** 0.5
+    if radius >= MIN_GYRATION_RADIUS_LENGTHS * length:
+        return []
+    return [
+        f"yaw_inertia_kg_m2 {robot.yaw_inertia_kg_m2:g} and mass_kg {robot.mass_kg:g} give a "
+        f"radius of gyration of {radius:.3f} m, {radius / length:.2f} of the length from nose to "
+        "tail tip (a uniform rod has 0.29). Check both and their units: all coefficients are "
+        "proportional to mass_kg."
+    ]
+
+
+def _body_volume_warnings(setup: Setup) -> list[str]:
+    """A body displaces its own mass of water: mean width = mass / (density x length x span)."""
+    robot = setup.robot
+    side = setup.water.density_kg_m3 * robot.body_length_m * robot.head_span_m
+    width = robot.mass_kg / side
+    share = width / robot.head_span_m
+    if WIDTH_TO_HEIGHT_RANGE[0] <= share <= WIDTH_TO_HEIGHT_RANGE[1]:
+        return []
+    return [
+        f"mass_kg {robot.mass_kg:g} displaces the water of a body {1000 * width:.0f} mm wide where "
+        f"it is as high as head_span_m {robot.head_span_m:g}: width over height {share:.2g} "
+        f"(plausible: {WIDTH_TO_HEIGHT_RANGE[0]:g} to {WIDTH_TO_HEIGHT_RANGE[1]:g}). Check both "
+        f"and their units: coefficients of "
+        "forces are proportional to mass_kg and inversely proportional to head_span_m."
+    ]

@@ -10,7 +10,7 @@
 from pathlib import Path
 
 from bluekoi.workflow.run_start import begin_run, shell_prefix, without_rate_limit
-from bluekoi.workflow.preload import preload
+from bluekoi.workflow.preload import start_preloaded_process
 from bluekoi.workflow.progress import attach_progress
 
 
@@ -165,7 +165,7 @@ rule outcome:
 
 onstart:
     without_rate_limit(workflow)
-    progress.preloaded = preload(workflow, plan)
+    progress.preloaded = start_preloaded_process(workflow, plan)
 
 
 onsuccess:

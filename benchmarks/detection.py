@@ -31,7 +31,7 @@ from bluekoi.keypoints import silhouette
 from bluekoi.study import Study, Trial, load_study
 from bluekoi.synthetic.campaign import render_study
 from bluekoi.synthetic.conditions import MIDDLE_CONDITIONS
-from bluekoi.synthetic.design import conditions_design
+from bluekoi.synthetic.design import filming_conditions_design
 
 MIN_SPEED_RATIO = 0.93
 MAX_MEMORY_MB = 600
@@ -48,7 +48,7 @@ def render_clip(folder: Path, size: str, codec: str, count: int) -> Path:
     state = replace(
         MIDDLE_CONDITIONS, size_px=size_px, mbit_s=rate, codec=codec, preset="superfast"
     )
-    design = conditions_design(state, longest_s=count / 29.97)
+    design = filming_conditions_design(state, longest_s=count / 29.97)
     design = replace(design, plans=design.plans[1:2])
     render_study(design, study, folder / f"{study.name}-truth", workers=1)
     return study
@@ -70,7 +70,7 @@ def compare_speeds(study: Study, trial: Trial, rounds: int) -> dict[str, float]:
 
     def detect() -> int:
         recording = open_recording(paths)
-        found = silhouette.detect(lambda: frames(recording), study.setup, trial)
+        found = silhouette.detect_keypoints(lambda: frames(recording), study.setup, trial)
         return len(found.time_s)
 
     count = detect()
@@ -139,7 +139,7 @@ def detect_and_report_memory(study: Path) -> str:
     """Megabytes and frames of one detection in this process."""
     loaded = load_study(study)
     recording = open_recording(loaded.paths(loaded.trials[0]))
-    found = silhouette.detect(lambda: frames(recording), loaded.setup, loaded.trials[0])
+    found = silhouette.detect_keypoints(lambda: frames(recording), loaded.setup, loaded.trials[0])
     megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return f"{megabytes:.1f} MB, {len(found.time_s)} frames"
 

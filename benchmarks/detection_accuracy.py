@@ -26,20 +26,20 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from bluekoi.data import PARTS, Keypoints
+from bluekoi.data import BODY_PART_NAMES, Keypoints
 from bluekoi.footage import frames, open_recording
 from bluekoi.keypoints import source_module
 from bluekoi.study import Study, Trial, load_study
 from bluekoi.synthetic.campaign import render_study
 from bluekoi.synthetic.conditions import CONDITIONS_BY_NAME
-from bluekoi.synthetic.design import conditions_design
+from bluekoi.synthetic.design import filming_conditions_design
 
 MAX_MEDIAN_PX = 0.3
 PULL_RANGE = (0.9, 1.1)
 WRONG_PX, BELIEVED = 5.0, 0.9
 MAX_WRONG_SHARE = 1e-3
 MAX_SWAPPED_FRAMES = 1
-RIGID_KEYPOINTS = PARTS[:3]
+RIGID_KEYPOINTS = BODY_PART_NAMES[:3]
 MARKER_HUES = {"head_tip": 2, "hinge": 50, "core_center": 128, "tail_base": 306, "tail_tip": 29}
 STEPS_WITH_STILL_CAMERA = tuple(step for step in CONDITIONS_BY_NAME if step != "nudged")
 EVENLY_LIT_STEPS = ("calm", "middle", "noise", "glare", "caustics", "blur", "compression")
@@ -111,7 +111,7 @@ def score_trial(found: Keypoints, truth_px: np.ndarray, visible: np.ndarray) -> 
 
 def frames_backwards(xy_px: np.ndarray, truth_px: np.ndarray) -> np.ndarray:
     """Frames in which head and tail are found the wrong way round, (frames,)."""
-    head, tail = PARTS.index("head_tip"), PARTS.index("tail_base")
+    head, tail = BODY_PART_NAMES.index("head_tip"), BODY_PART_NAMES.index("tail_base")
     axis, right = (points[:, head] - points[:, tail] for points in (xy_px, truth_px))
     return np.nan_to_num(np.sum(axis * right, axis=1), nan=1.0) < 0
 
@@ -143,7 +143,7 @@ def render_step(
     if not (study / "truth.sha256").exists():
         state = replace(CONDITIONS_BY_NAME[step], size_px=PICTURE_SIZES_PX[size])
         state = replace(state, markers=state.markers or dots)
-        design = conditions_design(state, seed, longest_s=seconds)
+        design = filming_conditions_design(state, seed, longest_s=seconds)
         render_study(design, study, truth_folder_of(study), workers=2)
     return study
 
@@ -161,7 +161,7 @@ def detect_trial(study: Study, trial: Trial, name: str) -> Keypoints:
     if name == "markers":
         detection = setup.detection.model_copy(update={"marker_hues_deg": MARKER_HUES})
         setup = setup.model_copy(update={"detection": detection})
-    return detector.detect(film, setup, trial)
+    return detector.detect_keypoints(film, setup, trial)
 
 
 def score_one_trial(job: tuple[Path, str, str]) -> Score:
@@ -188,8 +188,8 @@ def table_line(name: str, found: Score) -> str:
 
 def table_header() -> str:
     """The table's head, as wide as its lines."""
-    parts = " ".join(f"{part[:6]:>6}" for part in PARTS)
-    pulls = " ".join(f"{part[:5]:>5}" for part in PARTS)
+    parts = " ".join(f"{part[:6]:>6}" for part in BODY_PART_NAMES)
+    pulls = " ".join(f"{part[:5]:>5}" for part in BODY_PART_NAMES)
     over = f"{'':>21} {'median error [px]':^34}   {'pulls':^29}   wrong  visible longest camera  "
     return f"{over}\n{'step':>14} frames {parts}   {pulls}   sure believed swapped moved  long %"
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from bluekoi.data import Frame, Keypoints
 from bluekoi.keypoints import silhouette
-from bluekoi.study import Setup, Trial
+from bluekoi.study import StudySettings, Trial
 
 COLUMNS = ["xHead", "yHead", "xBody", "yBody", "xTail", "yTail"]
 FISH_COUNT, FISH_PX, TAIL_SHARE, HEAD_SHARE, COM_SHARE = 14, 41.0, 0.25, 0.225, 0.3375
@@ -126,7 +126,7 @@ def enlarged_or_inverted(film: list[Frame], enlarge: float, *, bright: bool) -> 
 
 def fish_study(
     shape: tuple[int, int], whole_m: float, fish_px: float = FISH_PX, start_px=None
-) -> tuple[Setup, Trial]:
+) -> tuple[StudySettings, Trial]:
     """Setup and trial of the film, its fish stated as so many metres and pixels long."""
     m_per_px, body_m = whole_m / fish_px, whole_m * (1 - TAIL_SHARE)
     height, width = shape
@@ -143,7 +143,7 @@ def fish_study(
     }
     sides = {"length_m": width * m_per_px, "width_m": height * m_per_px}
     corners = ((0, height), (width, height), (width, 0), (0, 0))
-    setup = Setup(
+    setup = StudySettings(
         pool={**sides, "depth_m": height * m_per_px},
         robot=robot,
         camera={"pool_corners_px": corners},
@@ -200,7 +200,7 @@ def main() -> int:
         fish_px = FISH_PX * options.enlarge
         start = reference[0, 0] if options.together else None
         setup, trial = fish_study(film[0].luma.shape, options.length_m, fish_px, start)
-        found = silhouette.detect(lambda film=film: film, setup, trial)
+        found = silhouette.detect_keypoints(lambda film=film: film, setup, trial)
         one = score_fish(found, reference, film[0].luma.shape, fish_px)
         print(result_line(which, one), flush=True)
         if options.together:

@@ -4,9 +4,9 @@
 
 First six coefficients to 9 trials of 241 frames from a start 30 to 50 % off, on one core: scipy
 with its own difference step, and with one that suits adaptive steps; ours on free trajectories
-(`fit_paths`, starting states free) and by prediction errors (`fit`, what `bluekoi run` uses).
---slow frees the 54 starting states for scipy too (minutes). Then the joint fit to 66 trials with
-starting states on two cores, and how time grows with trials.
+(`fit_trajectories`, starting states free) and by prediction errors (`fit_parameters_jointly`, what
+`bluekoi run` uses). --slow frees the 54 starting states for scipy too (minutes). Then the joint fit
+to 66 trials with starting states on two cores, and how time grows with trials.
 """
 
 from __future__ import annotations
@@ -28,38 +28,58 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from test_model import published_rates_in_world_axes
 
-from bluekoi.fitting import Fit, Free, Series, fit, fit_paths
-from bluekoi.integrate import compiled
-from bluekoi.model import COEFFICIENTS, FLAP_HZ, TABLE_1, constants, plates, simulate
+from bluekoi.fitting import (
+    FreeParameter,
+    ParameterFit,
+    TrialSeries,
+    fit_parameters_jointly,
+    fit_trajectories,
+)
+from bluekoi.integrate import compile_system
+from bluekoi.model import (
+    HYDRODYNAMIC_COEFFICIENTS,
+    PUBLISHED_FLAP_HZ,
+    TABLE_1,
+    constants_of_robot_trial,
+    simulate,
+    two_plate_system,
+)
 from bluekoi.tuning import downsampled
 from bluekoi.tuning.joint_fit import START_NOISE
 from paper_robot import PAPER_SETUP
 
 TRUTH = dict(TABLE_1[75])
-NAMES = tuple(p.name for p in COEFFICIENTS)
+NAMES = tuple(p.name for p in HYDRODYNAMIC_COEFFICIENTS)
 START = dict(zip(NAMES, np.array([1.3, 0.7, 1.5, 0.6, 1.4, 0.7]) * [TRUTH[n] for n in NAMES],
                  strict=True))  # fmt: skip
 POSITION_STD, HEADING_STD = 1e-3, 0.01
 ANGLES = (20.0, 30.0, -45.0)
 
 
-def simulated_trial(number: int, rng: np.random.Generator, frames: int = 241) -> Series:
+def simulated_trial(number: int, rng: np.random.Generator, frames: int = 241) -> TrialSeries:
     """A simulated trial with white noise, from rest."""
     power, angle = (50, 75, 100)[number % 3], np.radians(ANGLES[number // 3 % 3])
-    run = simulate(TRUTH, setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=angle,
-                   flap_hz=FLAP_HZ[power], duration_s=(frames - 1) / 30, dt_s=1 / 30)  # fmt: skip
+    run = simulate(
+        TRUTH,
+        setup=PAPER_SETUP,
+        head_length_m=0.12,
+        head_angle_rad=angle,
+        flap_hz=PUBLISHED_FLAP_HZ[power],
+        duration_s=(frames - 1) / 30,
+        dt_s=1 / 30,
+    )
     seen = np.column_stack([run.state[:, :2], run.heading_rad, np.full(frames, angle)])
     std = np.array([POSITION_STD, POSITION_STD, HEADING_STD, 0.1])
     seen += std * [1, 1, 1, 0] * rng.standard_normal(seen.shape)
-    count = len(plates().all_states)
+    count = len(two_plate_system().all_states)
     start_std = np.array([0.02, 0.02, 0.05, 0.05, 0.05, 0.3] + [1e-6] * (count - 6))
-    return Series(
+    return TrialSeries(
         name=f"T{number}",
         group=str(power),
         condition="",
         times=run.time_s,
-        inputs=np.tile([angle, FLAP_HZ[power]], (frames, 1)),
-        constants=constants(PAPER_SETUP, 0.12),
+        inputs=np.tile([angle, PUBLISHED_FLAP_HZ[power]], (frames, 1)),
+        constants=constants_of_robot_trial(PAPER_SETUP, 0.12),
         seen=seen,
         noise=np.tile(np.diag(std**2), (frames, 1, 1)),
         mean=np.zeros(count),
@@ -85,7 +105,7 @@ def shortest_time(
     return best, result
 
 
-def fit_by_scipy(series: Sequence[Series], *, free_starts: bool, **options: Any) -> np.ndarray:
+def fit_by_scipy(series: Sequence[TrialSeries], *, free_starts: bool, **options: Any) -> np.ndarray:
     """least_squares over solve_ivp, as one writes it from the manuals."""
     scale = np.array([START[n] for n in NAMES])
     sigma = np.array([POSITION_STD, POSITION_STD, HEADING_STD])
@@ -118,18 +138,18 @@ def compare_on_nine_trials(seconds: float, *, slow: bool) -> None:
     os.environ["BLUEKOI_THREADS"] = "1"
     rng = np.random.default_rng(1)
     series = [simulated_trial(i, rng) for i in range(9)]
-    kernel, base = compiled(plates()), plates().values({})
-    free = [Free(n) for n in NAMES]
+    kernel, base = compile_system(two_plate_system()), two_plate_system().values({})
+    free = [FreeParameter(n) for n in NAMES]
     known = [replace(s, cov=s.cov * 1e-12) for s in series]
     ways: dict[str, Callable[[], np.ndarray]] = {
-        "ours, trajectories, starts known": lambda: fit_paths(
+        "ours, trajectories, starts known": lambda: fit_trajectories(
             kernel, known, base, free, start=START, open_states=0,
             shares=(0.25, 1.0)).fit.values,
-        "ours, trajectories, 54 start states free": lambda: fit_paths(
+        "ours, trajectories, 54 start states free": lambda: fit_trajectories(
             kernel, series, base, free, start=START).fit.values,
-        "ours, prediction errors, starts free": lambda: fit(
+        "ours, prediction errors, starts free": lambda: fit_parameters_jointly(
             kernel, series, base, free, START_NOISE, start=START).values,
-        "ours, the same at ten observations a second": lambda: fit(
+        "ours, the same at ten observations a second": lambda: fit_parameters_jointly(
             kernel, downsampled(series), base, free, START_NOISE, start=START).values,
     }  # fmt: skip
     print("six coefficients to 9 trials of 241 frames, one core, processor time")
@@ -161,15 +181,19 @@ def time_many_trials(seconds: float) -> None:
     """Print times of the joint fit by prediction errors on two cores, 66 to 1,000 trials."""
     os.environ["BLUEKOI_THREADS"] = "2"
     rng = np.random.default_rng(2)
-    kernel, base = compiled(plates()), plates().values({})
-    free = [Free(n) for n in NAMES]
+    kernel, base = compile_system(two_plate_system()), two_plate_system().values({})
+    free = [FreeParameter(n) for n in NAMES]
     print("\njoint fits with starting states, 150 frames a trial, two cores")
     for count in (66, 132, 264, 528, 1000):
         series = [simulated_trial(i, rng, 151) for i in range(count)]
         few = downsampled(series)
-        ways: dict[str, Callable[[], Fit]] = {
-            "prediction errors": lambda f=few: fit(kernel, f, base, free, START_NOISE, start=START),
-            "trajectories": lambda s=series: fit_paths(kernel, s, base, free, start=START).fit,
+        ways: dict[str, Callable[[], ParameterFit]] = {
+            "prediction errors": lambda f=few: fit_parameters_jointly(
+                kernel, f, base, free, START_NOISE, start=START
+            ),
+            "trajectories": lambda s=series: (
+                fit_trajectories(kernel, s, base, free, start=START).fit
+            ),
         }
         for name, way in ways.items():
             taken, _ = shortest_time(way, seconds if count < 200 else 0)

@@ -30,9 +30,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from test_model import published_rates
 
-from bluekoi.integrate import LANES, System, compiled
-from bluekoi.integrate.batch import propagate
-from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates
+from bluekoi.integrate import LANES, System, compile_system
+from bluekoi.integrate.batch import simulate_batch
+from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, constants_of_robot_trial, two_plate_system
 from paper_robot import PAPER_SETUP
 
 HERE = Path(__file__).resolve().parent
@@ -58,14 +58,14 @@ Run = Callable[[float], np.ndarray]
 def kernel_run(system: System, blocks: int = BLOCK_COUNT, **effects: dict[str, float]) -> Run:
     """All blocks in one call, from this system's kernel."""
     values = np.tile(system.values(TABLE_1[POWER], effects)[None, :, None], (blocks, 1, LANES))
-    fixed = np.tile(constants(PAPER_SETUP, 0.12)[None, :, None], (blocks, 1, LANES))
+    fixed = np.tile(constants_of_robot_trial(PAPER_SETUP, 0.12)[None, :, None], (blocks, 1, LANES))
     state = np.zeros((blocks, len(system.all_states), LANES))
     times = np.tile(np.arange(FRAMES) / RATE, (blocks, 1))
-    inputs = np.tile([ANGLE, FLAP_HZ[POWER]], (blocks, FRAMES, 1))
-    kernel = compiled(system)
+    inputs = np.tile([ANGLE, PUBLISHED_FLAP_HZ[POWER]], (blocks, FRAMES, 1))
+    kernel = compile_system(system)
 
     def run(step_s: float) -> np.ndarray:
-        observed, _ = propagate(
+        observed, _ = simulate_batch(
             kernel, state, values, fixed, times=times, inputs=inputs, step_s=step_s
         )
         return observed[0, -1, :3, 0]
@@ -76,7 +76,7 @@ def kernel_run(system: System, blocks: int = BLOCK_COUNT, **effects: dict[str, f
 
 def published_system() -> System:
     """The paper's model with no effect in it at all."""
-    return replace(plates(), name="bare", effects=())
+    return replace(two_plate_system(), name="bare", effects=())
 
 
 def compile_c_version(folder: Path, name: str) -> Run:
@@ -100,7 +100,7 @@ def compile_c_version(folder: Path, name: str) -> Run:
             robot.mass_kg,
             robot.yaw_inertia_kg_m2,
             ANGLE,
-            FLAP_HZ[POWER],
+            PUBLISHED_FLAP_HZ[POWER],
             *(TABLE_1[POWER][k] for k in COEFFICIENT_ORDER),
         ]
     )
@@ -221,11 +221,13 @@ def main() -> None:
         runs: dict[str, Run] = {name: compile_c_version(Path(folder), name) for name in C_VERSIONS}
         runs |= {
             "ours, bare model": kernel_run(published_system()),
-            "ours, every effect off": kernel_run(plates()),
+            "ours, every effect off": kernel_run(two_plate_system()),
         }
-        runs |= {"ours, effects that do nothing on": kernel_run(plates(), **EFFECTS_OF_NO_SIZE)}
+        runs |= {
+            "ours, effects that do nothing on": kernel_run(two_plate_system(), **EFFECTS_OF_NO_SIZE)
+        }
         print_speeds(runs, given.seconds)
-        print_thread_gain(kernel_run(plates(), blocks=4 * BLOCK_COUNT), given.seconds)
+        print_thread_gain(kernel_run(two_plate_system(), blocks=4 * BLOCK_COUNT), given.seconds)
     if given.fresh:
         print_first_call_times()
 

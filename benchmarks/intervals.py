@@ -25,9 +25,14 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from bluekoi.fitting import Normal, TrialRandomEffect, cluster_covariance, cov_jackknife
-from bluekoi.integrate import LANES, compiled
-from bluekoi.model import plates
+from bluekoi.fitting import (
+    NormalEquationsByTrial,
+    TrialRandomEffect,
+    cluster_covariance,
+    cov_jackknife,
+)
+from bluekoi.integrate import LANES, compile_system
+from bluekoi.model import two_plate_system
 from bluekoi.tuning import downsampled, fit_all_trials
 from bluekoi.tuning.joint_fit import head_angle_error_information
 from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
@@ -40,7 +45,7 @@ FIT_PARTS = ("values", "hessian", "gradient", "cross", "fisher", "score")
 
 
 def fit_batch(job: tuple[int, int, int]) -> list[tuple[np.ndarray, ...]]:
-    """Each campaign's joint fit, its parts as in `PARTS`."""
+    """Each campaign's joint fit, its parts as in `FIT_PARTS`."""
     seed, number, count = job
     rng = np.random.default_rng([seed, number])
     out = []
@@ -49,7 +54,7 @@ def fit_batch(job: tuple[int, int, int]) -> list[tuple[np.ndarray, ...]]:
         tuned = fit_all_trials(few)
         fit = tuned.fit
         own = head_angle_error_information(
-            compiled(plates()), few, fit, tuned.base, noise=tuned.noise
+            compile_system(two_plate_system()), few, fit, tuned.base, noise=tuned.noise
         )
         out.append((fit.values, fit.normal.hessian, fit.normal.gradient,
                     own.cross, own.fisher, own.score))  # fmt: skip
@@ -71,7 +76,9 @@ def read_kept_fits(path: Path) -> list[tuple[np.ndarray, ...]]:
         return list(zip(*(file[part] for part in FIT_PARTS), strict=True))
 
 
-def interval_half_widths(normal: Normal, own: TrialRandomEffect) -> dict[str, np.ndarray]:
+def interval_half_widths(
+    normal: NormalEquationsByTrial, own: TrialRandomEffect
+) -> dict[str, np.ndarray]:
     """Half widths of the 95 % intervals by each way to get them."""
     naive = np.linalg.inv(normal.hessian.sum(axis=0))
     return {
@@ -86,7 +93,9 @@ def print_coverage(found: Sequence[tuple[np.ndarray, ...]]) -> bool:
     """Print shares and widths; whether the intervals in use are within the bar."""
     values = np.array([f[0] for f in found])
     ways = [
-        interval_half_widths(Normal(f[1], f[2], np.zeros(len(f[1]))), TrialRandomEffect(*f[3:]))
+        interval_half_widths(
+            NormalEquationsByTrial(f[1], f[2], np.zeros(len(f[1]))), TrialRandomEffect(*f[3:])
+        )
         for f in found
     ]
     error = values - TRUTH

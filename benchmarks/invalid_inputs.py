@@ -35,7 +35,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from bluekoi.camera.length_warnings import length_warnings
 from bluekoi.cli import main as bluekoi
 from bluekoi.errors import InputError
-from bluekoi.motor.swimming_plausibility import study_warnings
+from bluekoi.motor.swimming_plausibility import clock_and_length_warnings
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.mismatch import mismatch
@@ -365,7 +365,7 @@ def measure_outcome(study: Path, results: Path) -> tuple[str, str, dict[str, dic
     lost += [f"{name}: {s['cut_short']}" for name, s in found.items() if s.get("cut_short")]
     if any("a defect of this program" in text for text in lost):
         return "CRASH", lost[0], found
-    warned = study_warnings(found)
+    warned = clock_and_length_warnings(found)
     warned += [r for s in found.values() for r in s.get("remarks", []) if "clocks disagree" in r]
     said = (lost or warned or [""])[0]
     return (

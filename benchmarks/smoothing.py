@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import exact_motions
 import other_smoothers
-from bluekoi.smoothing import smooth
+from bluekoi.smoothing import smooth_pose
 
 CONDITIONS = {
     "2.37 Hz, 8 s": (exact_motions.CameraConditions(hz=2.37, gap_s=(4.0, 4.5)), 240),
@@ -57,7 +57,7 @@ def rms_over_cases(cases: list, method: Callable) -> np.ndarray:
 def our_errors(cases: list, hz: float) -> tuple[np.ndarray, list[list[np.ndarray]]]:
     found, pulls = [], []
     for truth, pose in cases:
-        track = smooth(pose, hz)
+        track = smooth_pose(pose, hz)
         e = rate_errors(truth, np.column_stack([track.vx_m_s, track.vy_m_s]), track.yaw_rate_rad_s)
         found.append(e)
         pulls.append([e[0] / track.speed_m_s_std, e[1] / track.yaw_rate_rad_s_std])
@@ -157,7 +157,7 @@ def time_campaign(trials: int = 66) -> float:
     poses = [exact_motions.observed_pose(makers[i % len(makers)](t), rng) for i in range(trials)]
     start = time.process_time()
     for pose in poses:
-        smooth(pose, 2.37)
+        smooth_pose(pose, 2.37)
     return time.process_time() - start
 
 

@@ -54,19 +54,19 @@ def _part(folder: str) -> Iterator[str]:
 
 def _entry(name: str, module: ModuleType) -> Iterator[str]:
     yield f"### `{name}`\n"
-    yield f"{module.STATEMENT}\n"
+    yield f"{module.EFFECT_DESCRIPTION}\n"
     yield _as_markdown(module.__doc__ or "")
-    yield f"Acts in {', '.join(module.CHANNELS)}. Visible in: {module.REGIME}."
+    yield f"Acts in {', '.join(module.AFFECTED_CHANNELS)}. Visible in: {module.MOST_VISIBLE_WHERE}."
     if module.CONFUSED_WITH:
         others = ", ".join(f"`{other}`" for other in module.CONFUSED_WITH)
         yield f"Similar candidates, easily confused with it: {others}."
     yield "\n| parameter | symbol | unit | start | from | to | meaning |"
     yield "|---|---|---|---|---|---|---|"
-    for one in module.PARAMETERS:
+    for one in module.EFFECT_PARAMETERS:
         span = f"{one.start:g} | {one.lower:g} | {one.upper:g}"
         yield f"| `{one.name}` | {one.argument} | {one.unit} | {span} | {one.meaning} |"
-    if forms := getattr(module, "FORMS", {}):
-        symbols = {one.name: one.argument for one in module.PARAMETERS}
+    if forms := getattr(module, "FUNCTIONAL_FORMS", {}):
+        symbols = {one.name: one.argument for one in module.EFFECT_PARAMETERS}
         yield f"\nForms: {'; '.join(_form(n, values, symbols) for n, values in forms.items())}."
     yield ""
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from bluekoi.study.key_reference import FILE_MODELS, keys
+from bluekoi.study.key_reference import FILE_MODELS, setting_keys
 
 PAGE = Path(__file__).resolve().parent / "study_keys.md"
 HEAD = """# Keys of a study
@@ -26,7 +26,7 @@ def page() -> str:
 def _table(file: str) -> Iterator[str]:
     yield f"\n## {file}\n"
     yield "| key | unit | default | allowed | meaning |\n|---|---|---|---|---|"
-    for k in keys():
+    for k in setting_keys():
         if k.file == file:
             yield f"| `{k.name}` | {k.unit} | {k.default} | {k.allowed} | {k.meaning} |"
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from bluekoi.campaign import Campaign
-from bluekoi.data import Float, Steady, Track
-from bluekoi.model import COEFFICIENTS, FLAP_HZ, TABLE_1
-from bluekoi.study import Camera, Robot, Setup, Study, Trial
+from bluekoi.data import Float, SteadyState, Track
+from bluekoi.model import HYDRODYNAMIC_COEFFICIENTS, PUBLISHED_FLAP_HZ, TABLE_1
+from bluekoi.study import Camera, Robot, Study, StudySettings, Trial
 from paper_robot import PAPER_ROBOT
 
 POOL_CORNERS_PX = ((360.0, 930.0), (1660.0, 930.0), (1660.0, 130.0), (360.0, 130.0))
@@ -21,9 +21,9 @@ SPEED_M_S = {50: 0.225, 75: 0.381, 100: 0.552}
 INF, NAN = float("inf"), float("nan")
 
 
-def exact_setup() -> Setup:
+def exact_setup() -> StudySettings:
     camera = Camera(image_size_px=(1920, 1080), pool_corners_px=POOL_CORNERS_PX)
-    return Setup(robot=ROBOT, camera=camera)
+    return StudySettings(robot=ROBOT, camera=camera)
 
 
 def make_trial(number: int, power: float, angle: float, head: float = 0.12, **more: Any) -> Trial:
@@ -46,20 +46,30 @@ def exact_track(
     )  # fmt: skip
 
 
-def straight_trial(one: Trial, speed: float, seconds: float = 4.0) -> tuple[Track, Steady]:
+def straight_trial(one: Trial, speed: float, seconds: float = 4.0) -> tuple[Track, SteadyState]:
     """From rest along x: v = speed tanh t."""
     t = np.arange(round(seconds * 30)) / 30
     v = np.column_stack([speed * np.tanh(t), np.zeros(len(t))])
     xy = np.column_stack([0.3 + speed * np.log(np.cosh(t)), np.full(len(t), 0.8)])
     found = exact_track(t, xy, v, np.zeros(len(t)), 0.0, 0.0)
-    row = Steady(FLAP_HZ[round(one.power_pct)], speed, 0.001, INF, INF, 0.0, 2.0, float(t[-1]),
-                 "straight", "")  # fmt: skip
+    row = SteadyState(
+        PUBLISHED_FLAP_HZ[round(one.power_pct)],
+        speed,
+        0.001,
+        INF,
+        INF,
+        0.0,
+        2.0,
+        float(t[-1]),
+        "straight",
+        "",
+    )
     return found, row
 
 
 def circle_trial(
     one: Trial, speed: float, radius: float, *, quality: str = "good"
-) -> tuple[Track, Steady]:
+) -> tuple[Track, SteadyState]:
     """A circle about (1.3, 0.8); positive head angle turns clockwise."""
     side = -1 if one.head_angle_deg > 0 else 1
     t = np.arange(90) / 30
@@ -68,9 +78,9 @@ def circle_trial(
     v = side * speed * np.column_stack([-np.sin(around), np.cos(around)])
     heading = around + side * np.pi / 2
     found = exact_track(t, xy, v, heading, side * speed / radius, np.radians(one.head_angle_deg))
-    row = Steady(FLAP_HZ[round(one.power_pct)], speed, 0.001, radius, 0.004,
-                 float(np.degrees(speed / radius * 2.0)), 1.0, float(t[-1]), quality,
-                 "" if quality == "good" else "film for longer", side, (1.3, 0.8))  # fmt: skip
+    row = SteadyState(PUBLISHED_FLAP_HZ[round(one.power_pct)], speed, 0.001, radius, 0.004,
+                      float(np.degrees(speed / radius * 2.0)), 1.0, float(t[-1]), quality,
+                      "" if quality == "good" else "film for longer", side, (1.3, 0.8))  # fmt: skip
     return found, row
 
 
@@ -81,7 +91,7 @@ def exact_radius(power: float, angle: float, head: float) -> float:
 
 def coefficients_json(powers: Sequence[int] = (50, 75, 100)) -> dict[str, Any]:
     """coefficients.json with the paper's Table I as its fits."""
-    units = {p.name: p.unit for p in COEFFICIENTS}
+    units = {p.name: p.unit for p in HYDRODYNAMIC_COEFFICIENTS}
 
     def cells(values: dict[str, float]) -> dict[str, Any]:
         return {k: {"value": v, "std": 0.02 * v, "unit": units[k], "determined": k != "C_Da",
@@ -92,12 +102,19 @@ def coefficients_json(powers: Sequence[int] = (50, 75, 100)) -> dict[str, Any]:
             "radius_m": 0.5, "model_radius_m": 0.45, "radius_difference_pct": -10.0}  # fmt: skip
     return {
         "paper_steps": {
-            str(p): {"flap_hz": FLAP_HZ[p], "coefficients": cells(TABLE_1[p]), "steps": {"a": step}}
+            str(p): {
+                "flap_hz": PUBLISHED_FLAP_HZ[p],
+                "coefficients": cells(TABLE_1[p]),
+                "steps": {"a": step},
+            }
             for p in powers
         },
-        "joint": {"coefficients": cells(TABLE_1[75]), "undetermined": [],
-                  "straight_swimming": {"sentence": "It does not swim straight."}},
-    }  # fmt: skip
+        "joint": {
+            "coefficients": cells(TABLE_1[75]),
+            "undetermined": [],
+            "straight_swimming": {"sentence": "It does not swim straight."},
+        },
+    }
 
 
 def exact_campaign(

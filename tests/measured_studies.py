@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from bluekoi.camera import map_keypoints, pool_camera
-from bluekoi.data import Flapping, Steady
-from bluekoi.fitting import Series, free_runs
-from bluekoi.integrate import compiled
-from bluekoi.keypoints.deeplabcut import read
-from bluekoi.model import plates
+from bluekoi.data import FlappingFrequency, SteadyState
+from bluekoi.fitting import TrialSeries, free_runs
+from bluekoi.integrate import compile_system
+from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial
+from bluekoi.model import two_plate_system
 from bluekoi.motor import trial_flapping
 from bluekoi.pose import rigid_pose
-from bluekoi.smoothing import smooth
+from bluekoi.smoothing import smooth_pose
 from bluekoi.stages.clock_measurement import with_clock_measurement
 from bluekoi.steady import steady_state
 from bluekoi.study import Study, load_study
@@ -30,9 +30,9 @@ class MeasuredStudy:
     """A study with its trials as the fit takes them and its steady states."""
 
     study: Study
-    series: list[Series]
-    steady: dict[str, Steady]
-    flapping: dict[str, Flapping]
+    series: list[TrialSeries]
+    steady: dict[str, SteadyState]
+    flapping: dict[str, FlappingFrequency]
 
 
 def measure_design(design: StudyDesign, folder: Path) -> MeasuredStudy:
@@ -42,11 +42,11 @@ def measure_design(design: StudyDesign, folder: Path) -> MeasuredStudy:
     camera = pool_camera(study.setup)
     out = MeasuredStudy(study, [], {}, {})
     for trial in study.trials:
-        found = read(study.paths(trial)[0], trial, {})
+        found = read_keypoints_of_trial(study.paths(trial)[0], trial, {})
         positions = map_keypoints(camera, found, study.setup.robot.keypoint_depth_m)
         flapping = trial_flapping(study, trial, positions)
         pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
-        track = smooth(pose, flapping.flap_hz)
+        track = smooth_pose(pose, flapping.flap_hz)
         out.steady[trial.trial_id] = steady_state(track, flapping, trial.head_angle_rad)
         out.flapping[trial.trial_id] = flapping
         one = trial_series(trial, study.setup, pose, track, flapping)
@@ -56,12 +56,12 @@ def measure_design(design: StudyDesign, folder: Path) -> MeasuredStudy:
 
 
 def series_with_effect(
-    series: Sequence[Series], model: JointFit, effect: str, numbers: dict[str, float]
-) -> list[Series]:
+    series: Sequence[TrialSeries], model: JointFit, effect: str, numbers: dict[str, float]
+) -> list[TrialSeries]:
     """The trials as they would have been had an effect been there: each path changed by what it
     changes in a simulation of `model` from the same start.
     """
-    kernel = compiled(plates())
+    kernel = compile_system(two_plate_system())
     still = model.trial_values(kernel, series)
     moved = [
         with_effect_parameters(v, {f"{effect}.{k}": x for k, x in numbers.items()}) for v in still
@@ -76,5 +76,5 @@ def series_with_effect(
 def with_effect_parameters(values: np.ndarray, numbers: dict[str, float]) -> np.ndarray:
     out = values.copy()
     for name, value in numbers.items():
-        out[plates().slot[name]] = value
+        out[two_plate_system().slot[name]] = value
     return out

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bluekoi.study import Setup
+from bluekoi.study import StudySettings
 
 PAPER_ROBOT = {
     "mass_kg": 0.68,
@@ -14,7 +14,7 @@ PAPER_ROBOT = {
     "tail_length_m": 0.066,
 }
 """The section `robot` of its study.yaml."""
-PAPER_SETUP = Setup.model_validate(
+PAPER_SETUP = StudySettings.model_validate(
     {
         "robot": PAPER_ROBOT,
         "camera": {"pool_corners_px": [[300, 900], [1600, 900], [1600, 100], [300, 100]]},

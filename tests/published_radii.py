@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from bluekoi.design_space import Condition, steady_states
-from bluekoi.model import FLAP_HZ, TABLE_1, TABLE_2_PCT, plates
-from bluekoi.study import Setup
+from bluekoi.design_space import OperatingCondition, steady_states
+from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, TABLE_2_PCT, two_plate_system
+from bluekoi.study import StudySettings
 from paper_robot import PAPER_SETUP
 
 POWERS_PCT = (50, 75, 100)
@@ -57,24 +57,24 @@ class FittedCoefficients:
     speeds_m_s: np.ndarray
 
 
-def turn_and_straight_conditions(setup: Setup) -> list[Condition]:
+def turn_and_straight_conditions(setup: StudySettings) -> list[OperatingCondition]:
     """Nine turns, power by power, then three straight runs."""
     head = setup.robot.head_length_m
     lengths = {1.0: head, 1.5: head * LONG_HEAD_RATIO}
     turns = [
-        Condition(FLAP_HZ[p], np.radians(angle), lengths[times], setup)
+        OperatingCondition(PUBLISHED_FLAP_HZ[p], np.radians(angle), lengths[times], setup)
         for p in POWERS_PCT
         for angle, times in TURN_CONDITIONS
     ]
-    return turns + [Condition(FLAP_HZ[p], 0.0, head, setup) for p in POWERS_PCT]
+    return turns + [OperatingCondition(PUBLISHED_FLAP_HZ[p], 0.0, head, setup) for p in POWERS_PCT]
 
 
-def published_radii_and_speeds(setup: Setup) -> PublishedMeasurements:
+def published_radii_and_speeds(setup: StudySettings) -> PublishedMeasurements:
     """The measured numbers: Table I's model, Table II's differences taken out."""
     every = turn_and_straight_conditions(setup)
     own = np.array(
         [
-            plates().values(TABLE_1[p])
+            two_plate_system().values(TABLE_1[p])
             for p in [p for p in POWERS_PCT for _ in TURN_CONDITIONS] + list(POWERS_PCT)
         ]
     )[:, None]
@@ -89,11 +89,13 @@ def published_radii_and_speeds(setup: Setup) -> PublishedMeasurements:
 def candidate_effects() -> tuple[str, ...]:
     """Effects that can change a steady turn of a mirrored pair of trials."""
     return tuple(
-        e.name for e in plates().effects if e.kind == "physics" and e.name not in EFFECTS_NOT_TRIED
+        e.name
+        for e in two_plate_system().effects
+        if e.kind == "physics" and e.name not in EFFECTS_NOT_TRIED
     )
 
 
-def plausible_geometries(count: int, rng: np.random.Generator) -> list[Setup]:
+def plausible_geometries(count: int, rng: np.random.Generator) -> list[StudySettings]:
     """Ours, then others drawn from `WIDTHS`."""
     out = [PAPER_SETUP]
     for _ in range(count - 1):
@@ -104,10 +106,10 @@ def plausible_geometries(count: int, rng: np.random.Generator) -> list[Setup]:
 
 
 def fit_one_coefficient_set(
-    seen: PublishedMeasurements, setup: Setup, effect: str = ""
+    seen: PublishedMeasurements, setup: StudySettings, effect: str = ""
 ) -> FittedCoefficients:
     """Least squares of one coefficient set, with one effect or none, to all twelve numbers."""
-    system = plates()
+    system = two_plate_system()
     names = ["C_D0", *FITTED_COEFFICIENTS]
     if effect:
         names += [f"{effect}.{p.name}" for p in system.effect(effect).parameters]

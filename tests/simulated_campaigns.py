@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bluekoi.data import Flapping, Float, Pose
-from bluekoi.fitting import Series
-from bluekoi.integrate import LANES, compiled
-from bluekoi.integrate.batch import propagate
-from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates
-from bluekoi.smoothing import smooth
+from bluekoi.data import FlappingFrequency, Float, Pose
+from bluekoi.fitting import TrialSeries
+from bluekoi.integrate import LANES, compile_system
+from bluekoi.integrate.batch import simulate_batch
+from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, constants_of_robot_trial, two_plate_system
+from bluekoi.smoothing import smooth_pose
 from bluekoi.study import Trial
 from bluekoi.tuning import trial_series
 from paper_robot import PAPER_SETUP
@@ -78,7 +78,7 @@ def trial_plans(
 
 def simulate_campaigns(
     wanted: Sequence[TrialPlan], errors: ErrorModel, rng: np.random.Generator, *, count: int = LANES
-) -> list[list[Series]]:
+) -> list[list[TrialSeries]]:
     """Series of `count` (up to 16) campaigns of these plans."""
     paths = _simulated_paths(wanted, errors, rng)
     return [
@@ -92,7 +92,7 @@ def _simulated_paths(
     wanted: Sequence[TrialPlan], errors: ErrorModel, rng: np.random.Generator
 ) -> list[Float]:
     """True states (frames, 6 + head angle error, 16) of every plan, from rest, pushed about."""
-    system, kernel = plates(), compiled(plates())
+    system, kernel = two_plate_system(), compile_system(two_plate_system())
     memory = dict.fromkeys(("tau_surge", "tau_sway", "tau_yaw"), errors.push_s)
     random = {"disturbance": {"present": 1.0, **memory}}
     count = len(wanted)
@@ -100,9 +100,15 @@ def _simulated_paths(
                        for p in wanted])  # fmt: skip
     servo = errors.servo * rng.standard_normal((count, LANES))
     values[:, system.slot["head_angle_offset.offset"]] = servo
-    fixed = np.stack([np.repeat(constants(PAPER_SETUP, p.head_length_m)[:, None], LANES, axis=1)
-                      for p in wanted])  # fmt: skip
-    inputs = np.array([[np.radians(p.angle_deg), FLAP_HZ[p.power]] for p in wanted])
+    fixed = np.stack(
+        [
+            np.repeat(
+                constants_of_robot_trial(PAPER_SETUP, p.head_length_m)[:, None], LANES, axis=1
+            )
+            for p in wanted
+        ]
+    )
+    inputs = np.array([[np.radians(p.angle_deg), PUBLISHED_FLAP_HZ[p.power]] for p in wanted])
     state = np.zeros((count, len(system.all_states), LANES))
     state[:, 0], state[:, 1] = 1.3, 0.8
     push = np.array(errors.push)[:, None]
@@ -110,7 +116,7 @@ def _simulated_paths(
     keep = np.exp(-1 / (FPS * errors.push_s))
     frames = [state]
     for _ in range(round(max(DURATION_S.values()) * FPS)):
-        _, after = propagate(
+        _, after = simulate_batch(
             kernel, frames[-1], values, fixed, times=np.tile([0.0, 1 / FPS], (count, 1)),
             inputs=np.repeat(inputs[:, None], 2, axis=1), keep_states=True,
         )  # fmt: skip
@@ -124,9 +130,9 @@ def _simulated_paths(
 
 def _measured_series(
     plan: TrialPlan, path: Float, errors: ErrorModel, rng: np.random.Generator
-) -> Series:
+) -> TrialSeries:
     """One trial as the fit takes it, from its true path (frames, 7)."""
-    n, hz = len(path), FLAP_HZ[plan.power]
+    n, hz = len(path), PUBLISHED_FLAP_HZ[plan.power]
     times = np.arange(n) / FPS
     beat = 2 * np.pi * (hz * times + rng.random())
     rise = 1 - np.exp(-times / 0.25)
@@ -149,7 +155,9 @@ def _measured_series(
         head_length_m=plan.head_length_m,
         fps=FPS,
     )
-    return trial_series(trial, PAPER_SETUP, pose, smooth(pose, hz), Flapping(hz, 0.0, "flap_hz"))
+    return trial_series(
+        trial, PAPER_SETUP, pose, smooth_pose(pose, hz), FlappingFrequency(hz, 0.0, "flap_hz")
+    )
 
 
 def autocorrelated_errors(rng: np.random.Generator, n: int, memory: float) -> Float:

@@ -12,10 +12,10 @@ from pathlib import Path
 
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.data import Positions
-from bluekoi.keypoints.deeplabcut import read
+from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial
 from bluekoi.study import Study, Trial
 from bluekoi.synthetic.design import StudyDesign, numbered_plans
-from bluekoi.synthetic.laws import Coefficients, Tank, published_model_tank
+from bluekoi.synthetic.laws import Coefficients, GroundTruthPhysics, published_model_tank
 from validation.tracking_noise import keypoint_study
 
 TABLE_1 = {
@@ -39,7 +39,9 @@ def published_model_design(seed: int = 12, *, table_1: bool = False) -> StudyDes
     plans = numbered_plans((50, 75, 100), settings)
     at = TABLE_1 if table_1 else {}
     name = "table_1" if table_1 else "bare"
-    return StudyDesign(name, plans, published_model_tank(Tank()), seed, coefficients_at=at)
+    return StudyDesign(
+        name, plans, published_model_tank(GroundTruthPhysics()), seed, coefficients_at=at
+    )
 
 
 def small_study(folder: Path) -> Path:
@@ -77,6 +79,6 @@ def edit_trials_csv(study: Path, **cells: dict[str, str]) -> None:
 def mapped_turn(study: Study) -> tuple[Study, Trial, Positions]:
     """A small study, its turn T10 (30 degrees, 1x head), and that trial's keypoints in the pool."""
     trial = study.trial("T10")
-    found = read(study.paths(trial)[0], trial, study.setup.bodyparts)
+    found = read_keypoints_of_trial(study.paths(trial)[0], trial, study.setup.bodyparts)
     depth = study.setup.robot.keypoint_depth_m
     return study, trial, map_keypoints(pool_camera(study.setup), found, depth)

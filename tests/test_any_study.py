@@ -9,27 +9,27 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from bluekoi.fitting import Series
-from bluekoi.integrate import compiled
+from bluekoi.fitting import TrialSeries
+from bluekoi.integrate import compile_system
 from bluekoi.mismatch.camera_displacement import detect_displacements
-from bluekoi.model import plates
+from bluekoi.model import two_plate_system
 from bluekoi.tuning.draws import sample_parameters
-from bluekoi.tuning.identify import profiles, spectrum
+from bluekoi.tuning.identify import fisher_eigendirections, likelihood_profiles
 from bluekoi.tuning.joint_fit import JointFit, coefficient_table, downsampled, fit_all_trials
 from simulated_campaigns import ErrorModel, simulate_campaigns
 from simulated_campaigns import trial_plans as plans_of
 
 
 @pytest.fixture(scope="module")
-def simulated_trials() -> list[Series]:
+def simulated_trials() -> list[TrialSeries]:
     wanted = plans_of((100,), ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12)))
     return simulate_campaigns(wanted, ErrorModel(), np.random.default_rng(3), count=1)[0]
 
 
 def with_changes(
-    one: Series, *, clock: float = 1.0, scale: float = 1.0, shift_m: float = 0.0,
+    one: TrialSeries, *, clock: float = 1.0, scale: float = 1.0, shift_m: float = 0.0,
     mirrored: bool = False, frames: int | None = None,
-) -> Series:  # fmt: skip
+) -> TrialSeries:  # fmt: skip
     """The trial with another clock, scale or place, seen in a mirror, or cut short."""
     seen, mean = one.seen.copy(), one.mean.copy()
     seen[:, :2] *= scale
@@ -45,7 +45,7 @@ def with_changes(
                    inputs=one.inputs[cut], noise=one.noise[cut])  # fmt: skip
 
 
-def tuning_json(series: list[Series]) -> JointFit:
+def tuning_json(series: list[TrialSeries]) -> JointFit:
     """Everything that the stage `tuning` makes of a joint fit."""
     few = downsampled(series)
     found = fit_all_trials(few)
@@ -54,7 +54,7 @@ def tuning_json(series: list[Series]) -> JointFit:
     assert all(cell["why"] for cell in cells.values() if not cell["determined"])
     assert found.fit.outcome
     assert np.isfinite(sample_parameters(found, 20, np.random.default_rng(0))).all()
-    assert len(spectrum(found)) == len(profiles(few, found)) == len(cells)
+    assert len(fisher_eigendirections(found)) == len(likelihood_profiles(few, found)) == len(cells)
     return found
 
 
@@ -99,7 +99,7 @@ def test_trials_that_no_coefficients_describe_are_refused(simulated_trials):
 
 def test_trials_too_short_for_a_displaced_camera_have_none(simulated_trials):
     kernel, few = (
-        compiled(plates()),
+        compile_system(two_plate_system()),
         downsampled([with_changes(one, frames=16) for one in simulated_trials]),
     )
     found = fit_all_trials(few)

@@ -13,7 +13,7 @@ import pytest
 import yaml
 
 import bluekoi
-from bluekoi.workflow.provenance import PACKAGE_FOLDER, fingerprint, source_files
+from bluekoi.workflow.provenance import PACKAGE_FOLDER, source_files, source_fingerprint
 from bluekoi.workflow.stage_call import stage_names
 
 ROOT = PACKAGE_FOLDER.parents[1]
@@ -124,11 +124,13 @@ def test_a_fingerprint_changes_with_a_file_it_covers(stage, tmp_path, monkeypatc
     copy = tmp_path / "bluekoi"
     shutil.copytree(PACKAGE_FOLDER, copy, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(provenance, "PACKAGE_FOLDER", copy)
-    assert fingerprint(f"stages.{stage}") == (before := fingerprint(f"stages.{stage}"))
+    assert source_fingerprint(f"stages.{stage}") == (
+        before := source_fingerprint(f"stages.{stage}")
+    )
     covered = copy / source_files(f"stages.{stage}")[-1]
     covered.write_text(covered.read_text() + "\n# changed\n")
     provenance._hash_and_imports.cache_clear()
-    assert fingerprint(f"stages.{stage}") != before
+    assert source_fingerprint(f"stages.{stage}") != before
 
 
 def test_files_are_short_enough_to_read_in_one_go():

@@ -19,7 +19,7 @@ from bluekoi.camera.lens_calibration import (
     camera_section,
     select_lens_model,
 )
-from bluekoi.camera.lens_selection import MODELS_COMPARED, evaluate_model, select_lens
+from bluekoi.camera.lens_selection import MODELS_COMPARED, fit_lens_candidate, select_lens
 from bluekoi.errors import InputError
 
 IMAGE_SIZE_PX = (640, 480)
@@ -127,7 +127,7 @@ def test_calibrations_that_cannot_be_right_are_refused_with_the_reason(change, r
         matrix[0, 2] -= 90 if change == "cropped" else 0
         lens = Lens("pinhole", matrix, PINHOLE.distortion, IMAGE_SIZE_PX)
     views = board_views(lens, where, 3.0 if change == "noisy" else 0.1, rng)
-    found = evaluate_model(views, "pinhole", 4, IMAGE_SIZE_PX)
+    found = fit_lens_candidate(views, "pinhole", 4, IMAGE_SIZE_PX)
     assert any(reason in words for words in found.implausibilities)
     assert select_lens([found]) is None
 
@@ -144,7 +144,7 @@ def test_a_lens_that_folds_inside_the_picture_is_refused():
     lens = Lens("pinhole", PINHOLE.matrix, np.array([-0.55, 0, 0, 0.0]), IMAGE_SIZE_PX)
     middle = poses(16, rng, near=0.6)
     middle[:, 3:5] = rng.uniform([-0.12, -0.08], [-0.08, -0.05], (16, 2))
-    found = evaluate_model(board_views(lens, middle, 0.05, rng), "pinhole", 4, IMAGE_SIZE_PX)
+    found = fit_lens_candidate(board_views(lens, middle, 0.05, rng), "pinhole", 4, IMAGE_SIZE_PX)
     assert any("not monotonic inside the picture" in reason for reason in found.implausibilities)
 
 
@@ -158,14 +158,14 @@ def test_two_zooms_in_one_set_are_reported(seed):
     longer.matrix[:2, 2] = PINHOLE.matrix[:2, 2]
     where = poses(20, rng)
     views = board_views(PINHOLE, where[:12], 0.2, rng) + board_views(longer, where[12:], 0.2, rng)
-    found = evaluate_model(views, "pinhole", 4, IMAGE_SIZE_PX)
+    found = fit_lens_candidate(views, "pinhole", 4, IMAGE_SIZE_PX)
     assert "two focal lengths" in zoom_change_remark(found.fit, list(found.views))
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_one_zoom_is_not_taken_for_two(seed):
     rng = np.random.default_rng(100 + seed)
-    found = evaluate_model(
+    found = fit_lens_candidate(
         board_views(PINHOLE, poses(14, rng), 0.3, rng), "pinhole", 4, IMAGE_SIZE_PX
     )
     assert zoom_change_remark(found.fit, list(found.views)) == ""
@@ -176,7 +176,7 @@ def test_a_view_grossly_off_is_left_out_and_named():
     views = board_views(PINHOLE, poses(15, rng), 0.15, rng)
     spoilt = views[3].image_px + rng.normal(0, 6, views[3].image_px.shape)
     views[3] = BoardView("shaken", views[3].board_m, spoilt)
-    best = evaluate_model(views, "pinhole", 4, IMAGE_SIZE_PX)
+    best = fit_lens_candidate(views, "pinhole", 4, IMAGE_SIZE_PX)
     assert len(best.left_out) == 1
     assert "shaken" in best.left_out[0]
 

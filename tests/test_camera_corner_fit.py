@@ -15,7 +15,7 @@ from bluekoi.camera.pool_corner_fit import fit_corners
 from bluekoi.camera.pool_edge_check import compare_pool_edges
 from bluekoi.footage import encode_h264
 from bluekoi.stages.pool_edges import check_pool_edges
-from bluekoi.study import Setup, load_study
+from bluekoi.study import StudySettings, load_study
 from paper_robot import PAPER_ROBOT
 from small_studies import edit_trials_csv, small_study
 
@@ -51,7 +51,7 @@ def outer_corners() -> np.ndarray:
     return pool_to_pixels(TRUTH, TRUTH.corners_m + RIM_M * signs)
 
 
-def setup_with(corners_px: np.ndarray, *, matrix: bool = True) -> Setup:
+def setup_with(corners_px: np.ndarray, *, matrix: bool = True) -> StudySettings:
     camera = {
         "model": "pinhole",
         "image_size_px": (1920, 1080),
@@ -61,7 +61,7 @@ def setup_with(corners_px: np.ndarray, *, matrix: bool = True) -> Setup:
     }
     if not matrix:
         camera = {k: v for k, v in camera.items() if k not in ("matrix", "distortion")}
-    return Setup.model_validate({"robot": PAPER_ROBOT, "camera": camera})
+    return StudySettings.model_validate({"robot": PAPER_ROBOT, "camera": camera})
 
 
 def corner_errors_px(found_px: np.ndarray) -> np.ndarray:

@@ -20,8 +20,8 @@ from bluekoi.camera.error_displacement import camera_error_constants
 from bluekoi.camera.resection import pool_rectangle
 from bluekoi.errors import InputError
 from bluekoi.measurement import lens_error, scale_error, uncorrected_refraction
-from bluekoi.observation import view_of
-from bluekoi.study import Setup
+from bluekoi.observation import camera_error_inputs
+from bluekoi.study import StudySettings
 from paper_robot import PAPER_SETUP
 
 DEPTH_M, WATER = 0.06, 1.333
@@ -52,7 +52,7 @@ def tilted_camera(index: float = WATER) -> PoolCamera:
     return camera_from_corners(lens_with_k1(), pool_to_pixels(blank, CORNERS_M), CORNERS_M, index)
 
 
-def stated_setup(*, k1: float = -0.06, index: float = WATER) -> Setup:
+def stated_setup(*, k1: float = -0.06, index: float = WATER) -> StudySettings:
     given = {
         "image_size_px": [1920, 1080],
         "matrix": lens_with_k1().matrix.tolist(),
@@ -61,7 +61,7 @@ def stated_setup(*, k1: float = -0.06, index: float = WATER) -> Setup:
     }
     reported = PAPER_SETUP.model_dump() | {"camera": given, "water": {"refractive_index": index}}
     reported["robot"]["keypoint_depth_m"] = DEPTH_M
-    return Setup.model_validate(reported)
+    return StudySettings.model_validate(reported)
 
 
 CORE_CENTRE_CONSTANTS = {"cpsi": 1.0, "spsi": 0.0, "ahead": 0.0}
@@ -78,8 +78,11 @@ def fitted_displacements(
     return unit * np.sum(unit * seen) / np.sum(unit * unit)
 
 
-def named_constants(setup: Setup, names: tuple[str, ...]) -> dict[str, float]:
-    given = asdict(view_of(setup)) | {"L_pool": setup.pool.length_m, "W_pool": setup.pool.width_m}
+def named_constants(setup: StudySettings, names: tuple[str, ...]) -> dict[str, float]:
+    given = asdict(camera_error_inputs(setup)) | {
+        "L_pool": setup.pool.length_m,
+        "W_pool": setup.pool.width_m,
+    }
     return {name: given[name] for name in names}
 
 

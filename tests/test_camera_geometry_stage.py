@@ -18,11 +18,11 @@ from bluekoi.camera.error_displacement import camera_error_constants
 from bluekoi.campaign import Campaign, load_campaign
 from bluekoi.data import read_track
 from bluekoi.figures import draw
-from bluekoi.keypoints.deeplabcut import read, write
+from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial, write_keypoints_csv
 from bluekoi.stages.depth import keypoint_depth
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.keypoints import keypoints
-from bluekoi.stages.layout import Layout
+from bluekoi.stages.layout import ResultPaths
 from bluekoi.stages.tracks import tracks
 from bluekoi.study import load_study
 from small_studies import SMALL_STUDY_TRIALS, small_study
@@ -65,7 +65,7 @@ def test_keypoints_placed_at_stated_lengths_measure_none(detected_study, tmp_pat
     """The silhouette's lie where study.yaml has them: that they agree with it says nothing."""
     study, results = detected_study
     shutil.copytree(results, tmp_path / "results")
-    notes = [Layout(tmp_path / "results").detection(name) for name in SMALL_STUDY_TRIALS]
+    notes = [ResultPaths(tmp_path / "results").detection(name) for name in SMALL_STUDY_TRIALS]
     for count, note in enumerate(notes, start=1):
         note.write_text(json.dumps(json.loads(note.read_text()) | {"source": "silhouette"}))
         found = geometry_json(study, tmp_path / "results")
@@ -78,7 +78,7 @@ def test_keypoints_placed_at_stated_lengths_measure_none(detected_study, tmp_pat
 def silhouette_keypoints(found: Path, lengths: list[list[float]]) -> None:
     """Keypoints of all trials as a silhouette gives them, and the whole lengths that it saw."""
     for name in SMALL_STUDY_TRIALS:
-        note = Layout(found).detection(name)
+        note = ResultPaths(found).detection(name)
         reported = {"source": "silhouette", "length_seen": lengths}
         note.write_text(json.dumps(json.loads(note.read_text()) | reported))
 
@@ -136,7 +136,7 @@ def test_lengths_of_two_trials_are_too_few(detected_study, tmp_path):
     study, results = detected_study
     shutil.copytree(results, tmp_path / "results")
     silhouette_keypoints(tmp_path / "results", measured_share_of_frames(0.97, 0.001))
-    note = Layout(tmp_path / "results").detection(next(iter(SMALL_STUDY_TRIALS)))
+    note = ResultPaths(tmp_path / "results").detection(next(iter(SMALL_STUDY_TRIALS)))
     note.write_text(json.dumps(json.loads(note.read_text()) | {"length_seen": []}))
     found = geometry_json(study, tmp_path / "results")
     assert (found["scale"], found["likely"]) == (None, "unknown")
@@ -148,9 +148,9 @@ def test_frames_that_are_not_believed_give_no_length(detected_study, tmp_path):
     shutil.copytree(results, tmp_path / "results")
     silhouette_keypoints(tmp_path / "results", measured_share_of_frames(0.97, 0.001))
     for name in SMALL_STUDY_TRIALS:
-        path = Layout(tmp_path / "results").keypoints(name)
-        given = read(path, load_study(study).trial(name), {})
-        write(path, replace(given, likelihood=np.full_like(given.likelihood, 0.2)))
+        path = ResultPaths(tmp_path / "results").keypoints(name)
+        given = read_keypoints_of_trial(path, load_study(study).trial(name), {})
+        write_keypoints_csv(path, replace(given, likelihood=np.full_like(given.likelihood, 0.2)))
     assert geometry_json(study, tmp_path / "results")["likely"] == "unknown"
 
 
@@ -186,7 +186,7 @@ def test_depth_that_is_not_given_is_estimated_and_used(detected_study, tmp_path)
     assert found["depth_estimate_m"] == pytest.approx(0.04, abs=4 * std)
     taken = round(found["depth_estimate_m"], 3) if std < 0.01 else 0.04
     assert found["depth_m"] == pytest.approx(taken)
-    assert keypoint_depth(load_study(copy).setup, Layout(results)) == pytest.approx(taken)
+    assert keypoint_depth(load_study(copy).setup, ResultPaths(results)) == pytest.approx(taken)
     geometry_json(study, results)
 
 
@@ -219,7 +219,7 @@ def test_no_keypoints_at_all_are_said_and_stop_nothing(tmp_path):
 def test_stated_deviations_of_positions_hold_the_calibrations(detected_study):
     study, results = detected_study
     tracks(study, results, SMALL_STUDY_TRIALS[0])
-    track = read_track(Layout(results).track(SMALL_STUDY_TRIALS[0]))
+    track = read_track(ResultPaths(results).track(SMALL_STUDY_TRIALS[0]))
     camera = pool_camera(load_study(study).setup, None)
     xy = np.column_stack([track.x_m, track.y_m])
     cov = calibration_covariance_at_places(camera, xy, 0.04)

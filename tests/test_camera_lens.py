@@ -6,9 +6,9 @@ import pytest
 
 from bluekoi.camera.lens import (
     Lens,
-    fold_radius,
     lens_from_parameters,
     lens_parameters,
+    max_monotonic_radius,
     project_to_pixels,
     projection_derivatives,
     ray_directions,
@@ -93,10 +93,10 @@ def test_points_that_are_not_seen_have_no_slope():
 
 def test_points_past_the_fold_and_behind_are_not_seen():
     lens = Lens("pinhole", MATRIX, np.array([-0.3, 0, 0, 0.0]), (1920, 1080))
-    assert fold_radius(lens) == pytest.approx(1 / np.sqrt(0.9), abs=0.01)
+    assert max_monotonic_radius(lens) == pytest.approx(1 / np.sqrt(0.9), abs=0.01)
     points = np.array([[1.2, 0, 1], [0, 0, -1], [0.3, 0, 1]])
     assert np.isnan(project_to_pixels(lens, points)[:, 0]).tolist() == [True, True, False]
-    edge = 955 + 1130 * fold_radius(lens) * (1 - 0.3 * fold_radius(lens) ** 2)
+    edge = 955 + 1130 * max_monotonic_radius(lens) * (1 - 0.3 * max_monotonic_radius(lens) ** 2)
     seen = ray_directions(lens, np.array([[edge + 5, 542.0], [edge - 5, 542.0]]))
     assert np.isnan(seen[:, 0]).tolist() == [True, False]
 

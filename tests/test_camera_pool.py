@@ -22,7 +22,7 @@ from bluekoi.camera.refraction import horizontal_air_path_share, refract_rays
 from bluekoi.camera.resection import pool_rectangle
 from bluekoi.data import Keypoints
 from bluekoi.errors import InputError
-from bluekoi.study import Setup
+from bluekoi.study import StudySettings
 from bluekoi.study.recording_pixels import setup_in_film_pixels, to_study_pixels
 from paper_robot import PAPER_ROBOT
 
@@ -51,7 +51,7 @@ def overhead_camera(lens: Lens = LENS, height_m: float = 2.3, tilt: float = 0.05
     return PoolCamera(**{**camera.__dict__, "corners_px": pool_to_pixels(camera, CORNERS_M)})
 
 
-def setup_for(camera: PoolCamera, **changes) -> Setup:
+def setup_for(camera: PoolCamera, **changes) -> StudySettings:
     section = {
         "model": camera.lens.model,
         "image_size_px": camera.size_px,
@@ -59,7 +59,7 @@ def setup_for(camera: PoolCamera, **changes) -> Setup:
         "distortion": camera.lens.distortion.tolist(),
         "pool_corners_px": camera.corners_px.tolist(),
     } | changes
-    return Setup.model_validate({"robot": PAPER_ROBOT, "camera": section})
+    return StudySettings.model_validate({"robot": PAPER_ROBOT, "camera": section})
 
 
 def pool_points(n: int = 60) -> np.ndarray:
@@ -253,7 +253,7 @@ def test_a_film_scaled_alike_is_followed_by_the_whole_camera_section(size):
     )
     back = to_study_pixels(given, size, np.array(reported.camera.pool_corners_px))
     np.testing.assert_allclose(back, np.array(given.camera.pool_corners_px), atol=1e-9)
-    Setup.model_validate(reported.model_dump())
+    StudySettings.model_validate(reported.model_dump())
 
 
 def test_a_film_of_another_shape_is_refused():

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.fitting import Free, missing_force
-from bluekoi.integrate import compiled
+from bluekoi.fitting import FreeParameter, missing_force
+from bluekoi.integrate import compile_system
 from bluekoi.mismatch.laws import (
     TRIAL_PARTS,
     VARIABLES_OF_EFFECT,
@@ -16,7 +16,7 @@ from bluekoi.mismatch.laws import (
     equal_count_bins,
     partial_residuals,
 )
-from bluekoi.model import COEFFICIENTS, plates
+from bluekoi.model import HYDRODYNAMIC_COEFFICIENTS, two_plate_system
 from bluekoi.study import Trial
 from bluekoi.tuning.joint_fit import downsampled, fit_all_trials
 from simulated_campaigns import ErrorModel, simulate_campaigns
@@ -32,12 +32,15 @@ def damped_model():
     series = downsampled(
         simulate_campaigns(wanted, ErrorModel(), np.random.default_rng(3), count=1)[0]
     )
-    free = (*(Free(p.name) for p in COEFFICIENTS), Free("linear_yaw_damping.N_r"))
+    free = (
+        *(FreeParameter(p.name) for p in HYDRODYNAMIC_COEFFICIENTS),
+        FreeParameter("linear_yaw_damping.N_r"),
+    )
     found = fit_all_trials(series, free)
     values, cov = found.fit.values.copy(), np.zeros((7, 7))
     values[-1], cov[-1, -1] = N_R, 0.001**2
     found = replace(found, fit=replace(found.fit, values=values), cov=cov, df=None)
-    kernel = compiled(plates())
+    kernel = compile_system(two_plate_system())
     forces = missing_force(kernel, series, found.trial_values(kernel, series), found.noise)
     trials = {p.name: Trial(trial_id=p.name, source="a.csv", power_pct=100, fps=30.0,
                             head_angle_deg=p.angle_deg, head_length_m=p.head_length_m)
@@ -77,7 +80,7 @@ def test_partial_residuals_of_a_damping_that_the_trials_do_not_have_show_none(
 
 
 def test_variables_of_effects_are_known_or_none():
-    names = {v for e in plates().effects if e.kind == "physics" for v in e.variables}
+    names = {v for e in two_plate_system().effects if e.kind == "physics" for v in e.variables}
     assert names - set(VARIABLES_OF_EFFECT) == {"current"}
 
 

@@ -8,7 +8,7 @@ import time
 import pytest
 
 from bluekoi.cli import progress_notice
-from bluekoi.cli.progress_notice import Progress
+from bluekoi.cli.progress_notice import ProgressNotice
 
 
 class Terminal(io.StringIO):
@@ -17,7 +17,7 @@ class Terminal(io.StringIO):
 
 
 def test_time_left_is_by_the_share_done_else_as_usual():
-    wait = Progress("writing", usual_s=30.0, since_s=0.0)
+    wait = ProgressNotice("writing", usual_s=30.0, since_s=0.0)
     assert wait.line(10.0) == "writing: about 20 s left"
     assert wait.line(40.0) == "writing: 40 s so far, longer than usual"
     wait.share = 0.25

@@ -9,7 +9,7 @@ import pytest
 from exact_campaign import exact_campaign
 
 from bluekoi.campaign import Campaign
-from bluekoi.data import Flapping, Pose
+from bluekoi.data import FlappingFrequency, Pose
 from bluekoi.stages.clock_factor import clock_factors, correct_clock, with_clock_cause
 from bluekoi.stages.tuning import campaign_series
 
@@ -17,8 +17,10 @@ EMPTY_VERDICT = {"verdict": "none", "sentence": "Nothing.", "causes": [], "rival
            "probabilities": {"clock_error": 0.01}}  # fmt: skip
 
 
-def logged_flapping(ratio: float) -> Flapping:
-    return Flapping(5.8, 0.001, "motor_log", ratio=ratio, ratio_std=1e-3, agrees=ratio == 1)
+def logged_flapping(ratio: float) -> FlappingFrequency:
+    return FlappingFrequency(
+        5.8, 0.001, "motor_log", ratio=ratio, ratio_std=1e-3, agrees=ratio == 1
+    )
 
 
 def with_frame_rates(base: Campaign, fps: dict[str, float]) -> Campaign:

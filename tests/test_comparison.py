@@ -15,10 +15,10 @@ from click.testing import CliRunner
 
 from bluekoi.cli import main
 from bluekoi.cli.outdated_results import warn_of_outdated_results
-from bluekoi.comparison import compare, comparison_figure, read_run
-from bluekoi.data import Steady
+from bluekoi.comparison import comparison_figure, list_run_differences, read_run
+from bluekoi.data import SteadyState
 from bluekoi.errors import InputError
-from bluekoi.stages.manifest import RUN_VARIABLE, write_manifest
+from bluekoi.stages.manifest import RUN_ENVIRONMENT_VARIABLE, write_manifest
 from bluekoi.stages.study_changes import changes_since_run, outdated_results_message
 from bluekoi.steady import write_steady
 from bluekoi.study import load_study
@@ -40,7 +40,7 @@ def write_results(folder: Path, thrust: float, cause: str, **manifest) -> Path:
                           "noise_floor_path_rmse_m": 0.002}}  # fmt: skip
     (folder / "coefficients.json").write_text(json.dumps({"joint": {"coefficients": cells}}))
     (folder / "mismatch.json").write_text(json.dumps(found))
-    rows = {f"T{i}": Steady(4.0, 0.3 + i * thrust, 0.01, 0.5, 0.01, 90.0, 1.0, 3.0, "good", "")
+    rows = {f"T{i}": SteadyState(4.0, 0.3 + i * thrust, 0.01, 0.5, 0.01, 90.0, 1.0, 3.0, "good", "")
             for i in range(3)}  # fmt: skip
     write_steady(folder / "steady.csv", rows)
     if manifest:
@@ -63,7 +63,7 @@ def two_results(tmp_path) -> tuple[Path, Path]:
 
 
 def test_differences_are_listed_with_their_size_in_standard_deviations(two_results):
-    found = {(d.section, d.name): d for d in compare(*map(read_run, two_results))}
+    found = {(d.section, d.name): d for d in list_run_differences(*map(read_run, two_results))}
     thrust = found["coefficient", "C_T"]
     assert thrust.difference == pytest.approx(6e-4)
     assert thrust.sigmas == pytest.approx(6e-4 / (2**0.5 * 1e-4))
@@ -177,7 +177,7 @@ def test_a_trial_that_was_added_or_removed_is_a_change(tmp_path):
 def test_the_manifest_says_what_a_run_was_made_from(tmp_path, monkeypatch):
     study, results = small_study(tmp_path / "study"), tmp_path / "results"
     expected = {"command": "bluekoi run study", "settings": {"overlays": "none"}, "code": "abc"}
-    monkeypatch.setenv(RUN_VARIABLE, json.dumps(expected))
+    monkeypatch.setenv(RUN_ENVIRONMENT_VARIABLE, json.dumps(expected))
     write_manifest(study, results)
     found = json.loads((results / "manifest.json").read_text())
     assert {key: found[key] for key in expected} == expected

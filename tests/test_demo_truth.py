@@ -21,7 +21,7 @@ import pytest
 from conftest import ROOT
 from scipy.stats import t as student
 
-from bluekoi.data import Steady
+from bluekoi.data import SteadyState
 from bluekoi.steady import read_steady
 from bluekoi.synthetic.campaign import render_study
 from bluekoi.synthetic.design import TrialPlan, demo_design
@@ -48,7 +48,7 @@ def run_snakemake(target: str, *settings: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def steady_rows() -> dict[str, Steady]:
+def steady_rows() -> dict[str, SteadyState]:
     """Rows of the demo's steady.csv."""
     given = os.environ.get("BLUEKOI_DEMO_RESULTS")
     if not given:
@@ -56,7 +56,7 @@ def steady_rows() -> dict[str, Steady]:
     return dict(read_steady(Path(given or ROOT / "results/demo") / "steady.csv"))
 
 
-def true_steady_state(plan: TrialPlan, row: Steady) -> tuple[float, float, float]:
+def true_steady_state(plan: TrialPlan, row: SteadyState) -> tuple[float, float, float]:
     """True speed (m/s), radius (m) and flapping frequency (Hz) over the stretch that was used.
 
     Of the mean motion, the tail-beat recoil left out: the mean of |v|, and the distance gone over

@@ -15,18 +15,25 @@ from bluekoi import design_space
 from bluekoi.cli import main
 from bluekoi.design_space import (
     MANOEUVRES,
-    Condition,
-    Design,
-    Fitted,
-    designs,
-    is_on_front,
-    load_fitted,
+    FittedRobot,
+    OperatingCondition,
+    RobotDesign,
+    evaluate_designs,
+    is_pareto_optimal,
+    load_fitted_robot,
     read_schedule,
-    smallest_radius,
     steady_states,
+    tightest_turn_design,
 )
 from bluekoi.errors import InputError
-from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates, simulate_at, steady_turn
+from bluekoi.model import (
+    PUBLISHED_FLAP_HZ,
+    TABLE_1,
+    constants_of_robot_trial,
+    simulate_at,
+    steady_speed_and_radius,
+    two_plate_system,
+)
 from bluekoi.study import load_study
 from paper_robot import PAPER_SETUP
 from small_studies import small_study
@@ -45,7 +52,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     names, best = list(TABLE_1[75]), np.array(list(TABLE_1[75].values()))
     draws = best * (1 + 0.02 * rng.standard_normal((200, 6)))
     content = {
-        "paper_steps": {str(p): {"flap_hz": hz} for p, hz in FLAP_HZ.items()},
+        "paper_steps": {str(p): {"flap_hz": hz} for p, hz in PUBLISHED_FLAP_HZ.items()},
         "joint": {
             "coefficients": {n: {"value": v} for n, v in TABLE_1[75].items()},
             "ensemble": {"names": names, "values": draws.tolist()},
@@ -56,19 +63,19 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_batches_agree_with_one_at_a_time_and_with_other_robots() -> None:
-    values = np.stack([plates().values(TABLE_1[p]) for p in (50, 75, 100)])
+    values = np.stack([two_plate_system().values(TABLE_1[p]) for p in (50, 75, 100)])
     heavy = PAPER_SETUP.model_copy(
         update={"robot": PAPER_SETUP.robot.model_copy(update={"mass_kg": 0.9})}
     )
     conditions = [
-        Condition(4.02, math.radians(45), 0.12, PAPER_SETUP),
-        Condition(2.37, math.radians(-30), 0.175, PAPER_SETUP),
-        Condition(5.82, 0.0, 0.12, heavy),
+        OperatingCondition(4.02, math.radians(45), 0.12, PAPER_SETUP),
+        OperatingCondition(2.37, math.radians(-30), 0.175, PAPER_SETUP),
+        OperatingCondition(5.82, 0.0, 0.12, heavy),
     ]
     found = steady_states(conditions, values)
     for i, c in enumerate(conditions):
         for k, power in enumerate((50, 75, 100)):
-            speed, radius = steady_turn(
+            speed, radius = steady_speed_and_radius(
                 TABLE_1[power], setup=c.setup, head_length_m=c.head_length_m,
                 head_angle_rad=c.head_angle_rad, flap_hz=c.flap_hz,
             )  # fmt: skip
@@ -77,15 +84,17 @@ def test_batches_agree_with_one_at_a_time_and_with_other_robots() -> None:
 
 
 def test_what_does_not_settle_is_not_given_a_radius() -> None:
-    values = plates().values(TABLE_1[75], {"battery_sag": {"loss_rate": 0.05}})
-    slots = plates().slots("battery_sag")
+    values = two_plate_system().values(TABLE_1[75], {"battery_sag": {"loss_rate": 0.05}})
+    slots = two_plate_system().slots("battery_sag")
     assert values[slots[0]] == 0.05
-    found = steady_states([Condition(4.02, 0.7, 0.12, PAPER_SETUP)], values[None])
+    found = steady_states([OperatingCondition(4.02, 0.7, 0.12, PAPER_SETUP)], values[None])
     assert np.isnan(found.radius_m[0, 0])
 
 
-def make_design(speed: float, radius: float, extrapolated: tuple[str, ...] = ()) -> Design:
-    return Design(100, 5.8, 45, 0.12, (speed, speed, speed), (radius, radius, radius), extrapolated)
+def make_design(speed: float, radius: float, extrapolated: tuple[str, ...] = ()) -> RobotDesign:
+    return RobotDesign(
+        100, 5.8, 45, 0.12, (speed, speed, speed), (radius, radius, radius), extrapolated
+    )
 
 
 def test_the_front_holds_those_that_no_other_beats() -> None:
@@ -98,15 +107,15 @@ def test_the_front_holds_those_that_no_other_beats() -> None:
         make_design(0.6, np.nan),
         make_design(0.45, 0.9),
     ]
-    assert is_on_front(some).tolist() == [True, True, False, True, False, False, False]
+    assert is_pareto_optimal(some).tolist() == [True, True, False, True, False, False, False]
 
 
 def test_the_smallest_radius_at_a_speed_and_within_what_was_tested() -> None:
     some = [make_design(0.5, 0.8), make_design(0.4, 0.5, ("power",)), make_design(0.2, 0.3)]
-    assert smallest_radius(some) is some[2]
-    assert smallest_radius(some, min_speed_m_s=0.3) is some[1]
-    assert smallest_radius(some, min_speed_m_s=0.3, tested_only=True) is some[0]
-    assert smallest_radius(some, min_speed_m_s=0.9) is None
+    assert tightest_turn_design(some) is some[2]
+    assert tightest_turn_design(some, min_speed_m_s=0.3) is some[1]
+    assert tightest_turn_design(some, min_speed_m_s=0.3, tested_only=True) is some[0]
+    assert tightest_turn_design(some, min_speed_m_s=0.9) is None
 
 
 def test_designs_outside_the_tested_range_are_marked_and_bands_follow_the_draws(
@@ -114,8 +123,8 @@ def test_designs_outside_the_tested_range_are_marked_and_bands_follow_the_draws(
 ) -> None:
     loaded = load_study(study)
     tested = design_space.tested_range(loaded)
-    found = designs(
-        load_fitted(results),
+    found = evaluate_designs(
+        load_fitted_robot(results),
         loaded.setup,
         tested,
         powers=(100, 150),
@@ -132,28 +141,35 @@ def test_designs_outside_the_tested_range_are_marked_and_bands_follow_the_draws(
     assert low < best < high
     assert 0.005 < math.log(high / best) / 1.96 < 0.05
     with pytest.raises(InputError, match="mass_kg"):
-        designs(load_fitted(results), loaded.setup, tested, powers=(100,), angles_deg=(45,),
-                lengths_m=(0.12,), other={"mass": (1.0,)})  # fmt: skip
+        evaluate_designs(
+            load_fitted_robot(results),
+            loaded.setup,
+            tested,
+            powers=(100,),
+            angles_deg=(45,),
+            lengths_m=(0.12,),
+            other={"mass": (1.0,)},
+        )
 
 
 def test_an_extended_model_is_asked_for_only_where_there_is_one(results: Path) -> None:
-    assert load_fitted(results).model == "joint"
+    assert load_fitted_robot(results).model == "joint"
     with pytest.raises(InputError, match="mismatch_detail"):
-        load_fitted(results, model="extended")
+        load_fitted_robot(results, model="extended")
 
 
 def test_frequency_between_tested_powers_and_beyond() -> None:
-    fit = Fitted(np.zeros((1, 1)), {50.0: 2.0, 100.0: 6.0}, "joint")
+    fit = FittedRobot(np.zeros((1, 1)), {50.0: 2.0, 100.0: 6.0}, "joint")
     assert fit.at_power(75) == pytest.approx(4.0)
     assert fit.at_power(150) == pytest.approx(10.0)
-    assert Fitted(np.zeros((1, 1)), {50.0: 2.0}, "joint").at_power(25) == pytest.approx(1.0)
+    assert FittedRobot(np.zeros((1, 1)), {50.0: 2.0}, "joint").at_power(25) == pytest.approx(1.0)
 
 
 def simulated_path(schedule, seconds: float = 8.0):
     times = np.arange(round(seconds * 60) + 1) / 60
     hz, angle = schedule.at(times)
-    return simulate_at(plates().values(TABLE_1[75]), times, np.column_stack([angle, hz]),
-                       constants(PAPER_SETUP, 0.12), np.zeros(6))  # fmt: skip
+    return simulate_at(two_plate_system().values(TABLE_1[75]), times, np.column_stack([angle, hz]),
+                       constants_of_robot_trial(PAPER_SETUP, 0.12), np.zeros(6))  # fmt: skip
 
 
 def test_an_s_turn_turns_one_way_then_the_other() -> None:
@@ -285,7 +301,7 @@ def test_incomplete_results_are_reported_with_their_file(
     results: Path, tmp_path: Path, change, words: str
 ) -> None:
     with pytest.raises(InputError, match=words) as reported:
-        load_fitted(broken(results, tmp_path / "r", change))
+        load_fitted_robot(broken(results, tmp_path / "r", change))
     assert str(tmp_path / "r/coefficients.json") in str(reported.value)
     assert "Run the analysis again" in str(reported.value)
 
@@ -295,19 +311,19 @@ def test_an_incomplete_search_is_reported_with_its_file(results: Path, tmp_path:
     (folder / "mismatch_detail.json").write_text("{}")
     (folder / "mismatch.json").write_text("{}")
     with pytest.raises(InputError, match=r"mismatch\.json: found incomplete content.*'verdict'"):
-        load_fitted(folder)
+        load_fitted_robot(folder)
     (folder / "mismatch.json").write_text('{"verdict": "physics"}')
     with pytest.raises(
         InputError, match=r"mismatch_detail\.json: found incomplete.*'coefficients'"
     ):
-        load_fitted(folder)
+        load_fitted_robot(folder)
 
 
 def test_guesses_doubtful_verdicts_and_other_studies_are_warned_of(
     study: Path, results: Path, tmp_path: Path
 ) -> None:
     loaded = load_study(study)
-    assert load_fitted(results).warnings == ()
+    assert load_fitted_robot(results).warnings == ()
 
     def change(content) -> None:
         content["joint"]["coefficients"]["C_Da"]["determined"] = False
@@ -316,7 +332,7 @@ def test_guesses_doubtful_verdicts_and_other_studies_are_warned_of(
     folder = broken(results, tmp_path / "r", change)
     (folder / "mismatch_detail.json").write_text("{}")
     (folder / "mismatch.json").write_text('{"verdict": "measurement"}')
-    guess, verdict, other = load_fitted(folder, study=loaded).warnings
+    guess, verdict, other = load_fitted_robot(folder, study=loaded).warnings
     assert "do not determine C_Da" in guess
     assert "'measurement'" in verdict
     assert other.endswith("has no T77, 50 %, 75 %")
@@ -332,8 +348,8 @@ def test_of_turns_as_tight_the_tested_and_the_faster_one_is_the_answer() -> None
         make_design(0.6, 0.4999, ("power",)),
         make_design(0.9, 0.502),
     ]
-    assert smallest_radius(some) is some[1]
-    assert smallest_radius(some, min_speed_m_s=0.5) is some[2]
+    assert tightest_turn_design(some) is some[1]
+    assert tightest_turn_design(some, min_speed_m_s=0.5) is some[2]
 
 
 @pytest.mark.parametrize(

@@ -7,21 +7,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.engine import FittedSet, Problem, expand_about, fit_set
-from bluekoi.engine.evidence import evidence_with_shares, log_evidence, most_probable_shares
-from bluekoi.engine.expansion import Expansion
-from bluekoi.engine.forces import forces_in_set
+from bluekoi.engine import CauseSearchProblem, FittedCauseSet, expand_likelihood, fit_set
+from bluekoi.engine.evidence import log_evidence, log_evidence_with_shares, most_probable_shares
+from bluekoi.engine.expansion import LikelihoodExpansion
+from bluekoi.engine.forces import rms_force_by_cause
 from bluekoi.engine.set_columns import (
     DISCREPANCY_SHARES,
     MAX_DISCREPANCY_SHARE,
-    Layout,
-    layout_of_set,
+    CauseSetColumns,
+    columns_of_cause_set,
     with_shares,
 )
-from bluekoi.fitting import Fit, fit
-from bluekoi.integrate import compiled
+from bluekoi.fitting import ParameterFit, fit_parameters_jointly
+from bluekoi.integrate import compile_system
 from bluekoi.mismatch.robot_problem import robot_problem
-from bluekoi.model import plates
+from bluekoi.model import two_plate_system
 from bluekoi.tuning import downsampled, fit_all_trials
 from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
 
@@ -29,48 +29,56 @@ SURGE, SWAY, YAW = range(3)
 
 
 @pytest.fixture(scope="module")
-def friction_fit() -> tuple[Problem, FittedSet]:
+def friction_fit() -> tuple[CauseSearchProblem, FittedCauseSet]:
     """Six trials, fitted with a friction force, which is far stronger in surge than in sway."""
     series = simulate_campaigns(
         trial_plans(powers=(75,)), ErrorModel(), np.random.default_rng(5), count=1
     )[0]
     baseline = fit_all_trials(downsampled(series))
-    problem = robot_problem(compiled(plates()), downsampled(series, 5.0), baseline, displaced=(),
-                            progress=lambda _: None)  # fmt: skip
+    problem = robot_problem(
+        compile_system(two_plate_system()),
+        downsampled(series, 5.0),
+        baseline,
+        displaced=(),
+        progress=lambda _: None,
+    )
     known = {**baseline.fit.by_label(), "coulomb_friction.F_c": 0.01}
     return problem, fit_set(problem, ("coulomb_friction",), problem.noise, known)
 
 
 @pytest.fixture(scope="module")
-def friction_columns(friction_fit: tuple[Problem, FittedSet]) -> tuple[Expansion, Layout]:
+def friction_columns(
+    friction_fit: tuple[CauseSearchProblem, FittedCauseSet],
+) -> tuple[LikelihoodExpansion, CauseSetColumns]:
     """The expansion about that fit, and the columns of its set."""
     problem, model = friction_fit
-    expansion = expand_about(problem, model)
-    return expansion, layout_of_set(problem, expansion, model.causes)
+    expansion = expand_likelihood(problem, model)
+    return expansion, columns_of_cause_set(problem, expansion, model.causes)
 
 
 def test_a_residual_term_pushes_in_its_channel_alone(
-    friction_fit: tuple[Problem, FittedSet],
+    friction_fit: tuple[CauseSearchProblem, FittedCauseSet],
 ) -> None:
-    forces = forces_in_set(*friction_fit)
+    forces = rms_force_by_cause(*friction_fit)
     unit = forces["residual.sway_v"]
     assert max(unit[SURGE], unit[YAW]) < 1e-3 * unit[SWAY]
 
 
 def test_the_force_of_a_unit_strength_is_the_root_mean_square_of_its_variable(
-    friction_fit: tuple[Problem, FittedSet],
+    friction_fit: tuple[CauseSearchProblem, FittedCauseSet],
 ) -> None:
     problem, model = friction_fit
     place = problem.kernel.system.all_states.index("v")
     v = np.concatenate([f.filtered[:, place] for f in model.passes])
-    unit = forces_in_set(problem, model)["residual.sway_v"]
+    unit = rms_force_by_cause(problem, model)["residual.sway_v"]
     assert unit[SWAY] == pytest.approx(np.sqrt(np.mean(v**2)), rel=0.01)
 
 
 def test_a_discrepancy_is_a_share_of_the_cause_in_the_same_channel(
-    friction_fit: tuple[Problem, FittedSet], friction_columns: tuple[Expansion, Layout]
+    friction_fit: tuple[CauseSearchProblem, FittedCauseSet],
+    friction_columns: tuple[LikelihoodExpansion, CauseSetColumns],
 ) -> None:
-    forces = forces_in_set(*friction_fit)
+    forces = rms_force_by_cause(*friction_fit)
     expansion, lay = friction_columns
     precisions = dict(zip(lay.columns.tolist(), lay.precision, strict=True))
     (column,) = expansion.strengths["residual.sway_v"]
@@ -80,28 +88,28 @@ def test_a_discrepancy_is_a_share_of_the_cause_in_the_same_channel(
 
 
 def test_the_evidence_is_the_mean_over_the_shares_that_a_formula_may_be_wrong_by(
-    friction_columns: tuple[Expansion, Layout],
+    friction_columns: tuple[LikelihoodExpansion, CauseSetColumns],
 ) -> None:
     expansion, lay = friction_columns
-    single = [evidence_with_shares(expansion, lay, {"coulomb_friction": share})
+    single = [log_evidence_with_shares(expansion, lay, {"coulomb_friction": share})
               for share in DISCREPANCY_SHARES]  # fmt: skip
     mean = np.log(np.mean(np.exp(np.array(single) - max(single)))) + max(single)
     assert log_evidence(expansion, lay) == pytest.approx(mean)
 
 
 def test_an_exact_formula_is_not_charged_for_forces_that_it_does_not_leave(
-    friction_columns: tuple[Expansion, Layout],
+    friction_columns: tuple[LikelihoodExpansion, CauseSetColumns],
 ) -> None:
     """The trials have no friction: what is fitted needs no discrepancy, and at most log 3 is lost
     against the evidence without one.
     """
     expansion, lay = friction_columns
-    none = evidence_with_shares(expansion, lay, {"coulomb_friction": 1e-6})
+    none = log_evidence_with_shares(expansion, lay, {"coulomb_friction": 1e-6})
     assert log_evidence(expansion, lay) > none - np.log(len(DISCREPANCY_SHARES)) - 0.5
 
 
 def test_a_large_remainder_makes_the_largest_share_most_probable(
-    friction_columns: tuple[Expansion, Layout],
+    friction_columns: tuple[LikelihoodExpansion, CauseSetColumns],
 ) -> None:
     """A residual force of a fifth of the cause's own, far above its standard error."""
     expansion, lay = friction_columns
@@ -116,7 +124,7 @@ def test_a_large_remainder_makes_the_largest_share_most_probable(
 
 
 def test_a_term_of_two_causes_may_be_as_strong_as_the_larger_share_of_them() -> None:
-    lay = Layout(
+    lay = CauseSetColumns(
         columns=np.arange(2), count=0, blocks={}, precision=np.ones(2),
         gaussian=np.ones(2, dtype=bool), included=np.zeros(2, dtype=bool), signed={},
         at=np.zeros(2), held=np.zeros(2, dtype=bool), sizes={},
@@ -127,7 +135,7 @@ def test_a_term_of_two_causes_may_be_as_strong_as_the_larger_share_of_them() -> 
 
 
 def test_the_discrepancy_is_fitted_with_the_numbers_of_a_set(
-    friction_fit: tuple[Problem, FittedSet],
+    friction_fit: tuple[CauseSearchProblem, FittedCauseSet],
 ) -> None:
     """The most probable point of both: its terms stand where likelihood and prior balance."""
     problem, model = friction_fit
@@ -135,7 +143,7 @@ def test_the_discrepancy_is_fitted_with_the_numbers_of_a_set(
     both = fit_set(problem, model.causes, model.noise, model.fit.by_label(), deviations=stds)
     assert both.discrepancy.keys() == stds.keys()
     assert both.log_joint > model.log_joint
-    expansion = expand_about(problem, both)
+    expansion = expand_likelihood(problem, both)
     for label, std in stds.items():
         (column,) = expansion.strengths[label]
         slope = float(expansion.gradient[:, column].sum()) - both.discrepancy[label] / std**2
@@ -144,19 +152,19 @@ def test_the_discrepancy_is_fitted_with_the_numbers_of_a_set(
 
 
 def test_a_fit_that_held_gains_lead_astray_lets_them_follow(
-    friction_fit: tuple[Problem, FittedSet], monkeypatch: pytest.MonkeyPatch
+    friction_fit: tuple[CauseSearchProblem, FittedCauseSet], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     problem, model = friction_fit
     given = []
 
-    def astray(*args: object, **options: object) -> Fit:
+    def astray(*args: object, **options: object) -> ParameterFit:
         given.append(options["predictor"])
-        found = fit(*args, **options)  # type: ignore[arg-type]
+        found = fit_parameters_jointly(*args, **options)  # type: ignore[arg-type]
         if options["predictor"] is None:
             return found
         return replace(found, normal=replace(found.normal, gradient=found.normal.gradient * np.nan))
 
-    monkeypatch.setattr("bluekoi.engine.refit.fit", astray)
+    monkeypatch.setattr("bluekoi.engine.refit.fit_parameters_jointly", astray)
     again = fit_set(problem, model.causes, model.noise, model.fit.by_label())
     assert None in given
     assert again.usable

@@ -12,8 +12,8 @@ from candidate_causes import MEASUREMENT, PHYSICS
 from bluekoi import effects, measurement
 from bluekoi.fitting.side_measurements import predict_side_measurement
 from bluekoi.integrate import Effect
-from bluekoi.model import TABLE_1, effect_names, plates, residual, simulate
-from bluekoi.model.equations import flow
+from bluekoi.model import TABLE_1, effect_names, residual, simulate, two_plate_system
+from bluekoi.model.equations import relative_flow_velocities
 from paper_robot import PAPER_SETUP
 
 ONE_SIDED = {
@@ -26,7 +26,7 @@ DISSIPATIVE = {
     "viscous_drag", "linear_yaw_damping", "crossflow_drag", "wave_drag", "coulomb_friction",
     "wall_effect", "sinking",
 }  # fmt: skip
-ALL_EFFECTS = [e for e in plates().effects if e.kind in ("physics", "measurement")]
+ALL_EFFECTS = [e for e in two_plate_system().effects if e.kind in ("physics", "measurement")]
 
 
 def active_at_start_value(effect: Effect) -> dict[str, dict[str, float]]:
@@ -152,7 +152,7 @@ def call_effect(
 def test_crossflow_drag_of_a_pure_drift_is_the_plate_s() -> None:
     """Reference value: -1/2 rho C d (length) v |v| for a body drifting sideways without turning."""
     X, Y, N = call_effect(
-        plates().effect("crossflow_drag"), "force", np.array([0.0, 0.2, 0.0]), q=0.0
+        two_plate_system().effect("crossflow_drag"), "force", np.array([0.0, 0.2, 0.0]), q=0.0
     )
     length, middle = 0.211, (0.04 - 0.171) / 2
     expected = -0.5 * 1000 * 0.5 * 0.069 * length * 0.04
@@ -162,7 +162,7 @@ def test_crossflow_drag_of_a_pure_drift_is_the_plate_s() -> None:
 def test_fin_reference_value() -> None:
     """-1/2 rho S u (v - a r) at u = 0.4, v = 0.1, r = -1: sideways speed 0.25 m/s at the fin."""
     motion = np.array([0.4, 0.1, -1.0])
-    X, Y, N = call_effect(plates().effect("tail_fin_lift"), "force", motion, b=0.0, p=0.0)
+    X, Y, N = call_effect(two_plate_system().effect("tail_fin_lift"), "force", motion, b=0.0, p=0.0)
     expected = -0.5 * 1000 * 0.03 * 0.4 * 0.25
     assert pytest.approx((0.0, expected, -0.15 * expected)) == (X, Y, N)
 
@@ -171,15 +171,23 @@ def test_fin_of_many_strips_is_one_of_their_mean_and_spread() -> None:
     """Five strips about a = 0.12 m: force and moment of -1/2 rho S u (v - x r) summed."""
     x = 0.12 + 0.03 * np.arange(-2, 3)
     dY = -0.5 * 1000 * 0.03 / 5 * 0.4 * (0.1 + x)
-    found = call_effect(plates().effect("tail_fin_lift"), "force", np.array([0.4, 0.1, -1.0]),
-                 a=0.12, b=float(np.std(x)), p=0.0)  # fmt: skip
+    found = call_effect(
+        two_plate_system().effect("tail_fin_lift"),
+        "force",
+        np.array([0.4, 0.1, -1.0]),
+        a=0.12,
+        b=float(np.std(x)),
+        p=0.0,
+    )
     assert found == pytest.approx([0.0, dY.sum(), -(x * dY).sum()])
 
 
 def test_fin_whose_force_stands_across_the_flow_does_no_work_there() -> None:
     """g = -1: lift alone, at a fin that moves by 0.4 m/s forwards and 0.25 m/s sideways."""
     motion = np.array([0.4, 0.1, -1.0])
-    X, Y, _ = call_effect(plates().effect("tail_fin_lift"), "force", motion, b=0.0, p=1.0, g=-1.0)
+    X, Y, _ = call_effect(
+        two_plate_system().effect("tail_fin_lift"), "force", motion, b=0.0, p=1.0, g=-1.0
+    )
     lift = 0.5 * 1000 * 0.03 * np.hypot(0.4, 0.25) * 0.25
     assert pytest.approx((lift * 0.4 * 0.25 / (0.4**2 + 0.25**2), -lift)) == (X, Y)
 
@@ -190,7 +198,7 @@ def test_vortex_lift_of_a_fin_is_that_of_polhamus_at_small_angles() -> None:
     """
     V, a = 0.4, 0.05
     motion = np.array([V * np.cos(a), V * np.sin(a), 0.0])
-    fin = plates().effect("tail_fin_lift")
+    fin = two_plate_system().effect("tail_fin_lift")
     Y = call_effect(fin, "force", motion, b=0.0, p=0.0, q=2.0, g=0.0)[1]
     polhamus = np.sin(a) * np.cos(a) ** 2 + 2.0 * np.sin(a) ** 2 * np.cos(a)
     assert pytest.approx(-0.5 * 1000 * 0.03 * V**2 * polhamus, rel=0.005) == Y
@@ -198,7 +206,7 @@ def test_vortex_lift_of_a_fin_is_that_of_polhamus_at_small_angles() -> None:
 
 def test_build_up_of_a_fin_has_a_slope_where_lift_follows_at_once() -> None:
     """Fits end at s = 0; without a slope there, nothing but the prior would act on s."""
-    fin, motion = plates().effect("tail_fin_lift"), np.array([0.4, 0.1, 0.0])
+    fin, motion = two_plate_system().effect("tail_fin_lift"), np.array([0.4, 0.1, 0.0])
     at = [call_effect(fin, "rates", motion, s=s, z_fin=0.0)[0] for s in (0.0, 0.01)]
     assert at[1] < 0.9 * at[0]
 
@@ -207,7 +215,7 @@ def test_lift_of_a_fin_builds_up_over_its_head_lengths_of_travel() -> None:
     """A fin set to 0.1 m/s sideways at 0.4 m/s, s = 1: z grows as 0.1 (1 - exp(-t / T)), with
     T = h / V + 1/60 s.
     """
-    fin = plates().effect("tail_fin_lift")
+    fin = two_plate_system().effect("tail_fin_lift")
     motion, V, z, step = np.array([0.4, 0.1, 0.0]), np.hypot(0.4, 0.1), 0.0, 1e-4
     for _ in range(3000):
         z += step * call_effect(fin, "rates", motion, s=1.0, z_fin=z)[0]
@@ -223,21 +231,28 @@ def test_lift_of_a_fin_builds_up_over_its_head_lengths_of_travel() -> None:
 def test_a_fin_of_any_form_never_adds_power(p: float, q: float, g: float) -> None:
     rng = np.random.default_rng(6)
     for draw in rng.uniform(-1, 1, (200, 3)):
-        X, Y, N = call_effect(plates().effect("tail_fin_lift"), "force", draw, p=p, q=q, g=g)
+        X, Y, N = call_effect(
+            two_plate_system().effect("tail_fin_lift"), "force", draw, p=p, q=q, g=g
+        )
         assert X * draw[0] + Y * draw[1] + N * draw[2] <= 1e-9
 
 
 @pytest.mark.parametrize("name", ["viscous_drag", "wave_drag"])
 def test_drag_at_the_head_turns_the_robot_by_the_plate_s_arm(name: str) -> None:
     """All of it at the head plate, 0.1 m ahead: moment 0.1 m times the side force."""
-    X, Y, N = call_effect(plates().effect(name), "force", np.array([0.3, 0.1, 0.0]), h=1.0)
+    X, Y, N = call_effect(
+        two_plate_system().effect(name), "force", np.array([0.3, 0.1, 0.0]), h=1.0
+    )
     assert pytest.approx(1 / 3) == Y / X
     assert pytest.approx(0.1 * Y) == N
 
 
 def test_a_soft_start_is_late_by_half_its_length_as_a_ramp_is() -> None:
     """Missing frequency summed over the start: tau times f, for a ramp and a smooth step."""
-    spin_up, t = plates().effect("motor_spin_up").hooks["drive"], np.linspace(0, 1.2, 4001)
+    spin_up, t = (
+        two_plate_system().effect("motor_spin_up").hooks["actuation_inputs"],
+        np.linspace(0, 1.2, 4001),
+    )
     for q in (0.0, 0.5, 1.0):
         missing = np.array([spin_up(one, 0.0, 2.0, 1.0, 0.4, 1.0, q, 0.0)[1] for one in t])
         assert missing[0] == pytest.approx(-2.0)
@@ -248,7 +263,7 @@ def test_a_soft_start_is_late_by_half_its_length_as_a_ramp_is() -> None:
 
 def test_side_measurements_predicted_by_functions_have_the_slopes_of_differences() -> None:
     """A spin-up of share 0.6 and 0.3 s loses 0.18 s: slopes 0.3 and 0.6; a sag of 0.04/s halves."""
-    system = plates()
+    system = two_plate_system()
     point = system.values(
         TABLE_1[100],
         {
@@ -273,7 +288,7 @@ def test_side_measurements_predicted_by_functions_have_the_slopes_of_differences
 
 def test_a_sag_that_follows_the_load_drifts_more_at_a_higher_frequency() -> None:
     """With an exponent of 2, twice the frequency has four times the drift."""
-    system = plates()
+    system = two_plate_system()
     point = system.values(TABLE_1[100], {"battery_sag": {"loss_rate": 0.04, "load_exponent": 2.0}})
     means = np.array([[0.0, 2.0, 3.0], [0.0, 4.0, 3.0]])
     drift, slopes = predict_side_measurement(
@@ -286,7 +301,7 @@ def test_a_sag_that_follows_the_load_drifts_more_at_a_higher_frequency() -> None
 
 def test_a_force_with_the_heads_heading_turns_with_the_head() -> None:
     """A magnet in the head, a quarter turn from the core, meets the moment a quarter turn later."""
-    force = plates().effect("yaw_with_heading").hooks["force"]
+    force = two_plate_system().effect("yaw_with_heading").hooks["force"]
     core = [force(psi, 0.0, 0.2, 0.1, 1.0, 1.0)[2] for psi in (0.3, 1.1)]
     turned = [force(psi + np.pi / 2, np.pi / 2, 0.2, 0.1, 1.0, 1.0)[2] for psi in (0.3, 1.1)]
     assert turned == pytest.approx(core)
@@ -295,7 +310,7 @@ def test_a_force_with_the_heads_heading_turns_with_the_head() -> None:
 
 @pytest.mark.parametrize(("name", "place"), [("sway_near_speed", 1), ("yaw_near_speed", 2)])
 def test_a_force_about_one_speed_is_largest_there_and_a_quarter_at_its_width(name, place) -> None:
-    force = plates().effect(name).hooks["force"]
+    force = two_plate_system().effect(name).hooks["force"]
     assert force(0.3, 0.02, 0.3, 0.1)[place] == pytest.approx(0.02)
     assert force(0.4, 0.02, 0.3, 0.1)[place] == pytest.approx(0.02 / 4)
     assert abs(force(1.0, 0.02, 0.3, 0.1)[place]) < 0.02 / 2000
@@ -305,12 +320,12 @@ def lift_over_steady(e: float, w: float, speeds: np.ndarray) -> np.ndarray:
     """Lift by the lag's own equations over its steady value, 24 steps a head length travelled, at
     speeds one a step; k = 1, s = 1.5, sin 2 alpha = 0.6.
     """
-    lag, h, (z, y) = plates().effect("lift_lag"), 0.12, (0.0, 0.0)
+    lag, h, (z, y) = two_plate_system().effect("lift_lag"), 0.12, (0.0, 0.0)
     out = []
     for V in speeds:
         known = {"uh": V * np.cos(0.5 * np.arcsin(-0.6)), "vh": V * np.sin(0.5 * np.arcsin(-0.6)),
                  "V": V, "C_La": 3.0, "rho": 1000.0, "A": 0.0083}  # fmt: skip
-        missing = lag.hooks["plate"](**known, z=z, y_lag=y, k=1.0, w=w, e=e)
+        missing = lag.hooks["head_plate_force"](**known, z=z, y_lag=y, k=1.0, w=w, e=e)
         out.append(1.0 - np.hypot(*missing) / (0.5 * 1000 * 0.0083 * 3.0 * 0.6 * V * V))
         assert lag.rates is not None
         dz, dy = lag.rates(known["uh"], known["vh"], V, h, z, y, 1.5, e)
@@ -337,29 +352,32 @@ def test_a_coefficient_that_lags_feels_the_speed_at_once() -> None:
 
 def test_a_stall_goes_on_over_its_range() -> None:
     """Half of k is lost in the middle of the range, nothing before it and all of k beyond."""
-    stall = plates().effect("stall")
+    stall = two_plate_system().effect("stall")
     for s, share in ((0.19, 0.0), (0.25, 0.5), (0.31, 1.0)):
         motion = {"uh": 0.3 * np.sqrt(1 - s * s), "vh": 0.3 * s, "V": 0.3}
         rest = call_effect(stall, "rates", np.zeros(3), **motion, z_stall=share, s0=0.2, b=0.1)
         assert rest == pytest.approx([0.0], abs=1e-5)
-        lost = call_effect(stall, "plate", np.zeros(3), **motion, k=0.4, z_stall=share)
+        lost = call_effect(stall, "head_plate_force", np.zeros(3), **motion, k=0.4, z_stall=share)
         lift = 0.5 * 1000 * 0.0083 * 3.0 * 2 * 0.09 * s * np.sqrt(1 - s * s)
         assert np.hypot(*lost) == pytest.approx(0.4 * share * lift)
 
 
 def test_flow_separates_while_the_head_travels_its_lengths() -> None:
     """3 head lengths of 0.12 m at 0.3 m/s: a time constant of 1.2 s, and the least lag, 1/60 s."""
-    stall = plates().effect("stall")
+    stall = two_plate_system().effect("stall")
     motion = {"uh": 0.24, "vh": 0.18, "V": 0.3, "s0": 0.2, "b": 0.1}  # fully separated
     rate = call_effect(stall, "rates", np.zeros(3), **motion, z_stall=0.4, s=3.0)
     assert rate == pytest.approx([0.6 / (1.2 + 1 / 60)])
-    alone = call_effect(stall, "plate", np.zeros(3), **motion, z_stall=1.0, j=0.0)
+    alone = call_effect(stall, "head_plate_force", np.zeros(3), **motion, z_stall=1.0, j=0.0)
     assert alone == pytest.approx([0.0, 0.0])
 
 
 def test_a_wall_fades_by_e_or_as_the_square_of_the_distance() -> None:
     """0.2 m from one wall, the others far away: exp(-2) or 1/5 of 1/2 rho A V^2 at s = 0.1 m."""
-    wall, far = plates().effect("wall_effect"), {"L_pool": 900.0, "W_pool": 900.0, "y": 450.0}
+    wall, far = (
+        two_plate_system().effect("wall_effect"),
+        {"L_pool": 900.0, "W_pool": 900.0, "y": 450.0},
+    )
     for w, share in ((0.0, np.exp(-2.0)), (1.0, 1 / 5)):
         X, Y, _ = call_effect(wall, "force", np.array([0.3, 0.0, 0.0]), **far, x=0.2, k=1.0, s=0.1,
                        w=w, g=0.0)  # fmt: skip
@@ -368,7 +386,7 @@ def test_a_wall_fades_by_e_or_as_the_square_of_the_distance() -> None:
 
 def test_thrust_lost_by_the_speed_alone_is_a_share_of_it() -> None:
     """q = 1: dT / f^2 as the speed says; q = 0: dT / f^2 as the advance says."""
-    loss = plates().effect("thrust_loss_with_speed")
+    loss = two_plate_system().effect("thrust_loss_with_speed")
 
     def share(f: float, **given: float) -> float:
         return call_effect(loss, "thrust", np.array([0.3, 0.0, 0.0]), f=f, **given)[0] / f**2
@@ -381,7 +399,7 @@ def test_thrust_lost_by_the_speed_alone_is_a_share_of_it() -> None:
 
 def test_displacements_are_relative_to_the_most_certain_one() -> None:
     """Turned by a right angle and twice as far: (dx, dy) times 2 i."""
-    camera_shift = plates().effect("camera_shift")
+    camera_shift = two_plate_system().effect("camera_shift")
     seen = camera_shift.hooks["observe"](3.0, 2.0, 0.0, 2.0, 0.004, 0.001)
     assert seen == pytest.approx((-0.002, 0.008, 0.0, 0.0))
     assert camera_shift.hooks["observe"](1.9, 2.0, 0.0, 2.0, 0.004, 0.001) == (0.0, 0.0, 0.0, 0.0)
@@ -390,10 +408,10 @@ def test_displacements_are_relative_to_the_most_certain_one() -> None:
 @pytest.mark.parametrize("name", ["stall", "lift_lag", "port_starboard_asymmetry"])
 def test_the_moment_goes_as_the_lift_does(name: str) -> None:
     """Moment over force is C_Ma over C_La in the part m; none is the start."""
-    effect, late = plates().effect(name), {"z": 0.01, "y_lag": 0.02}
+    effect, late = two_plate_system().effect(name), {"z": 0.01, "y_lag": 0.02}
     given = {"stall": {"s0": 0.1}, "lift_lag": {}}.get(name, {"n": 0.0, "g": 0.0})
     motion = np.array([0.3, -0.2, 0.4])
-    lift = np.hypot(*call_effect(effect, "plate", motion, **late, **given))
+    lift = np.hypot(*call_effect(effect, "head_plate_force", motion, **late, **given))
     X, Y, N = call_effect(effect, "force", motion, **late, **given, m=0.8)
     assert (X, Y) == (0.0, 0.0)
     assert abs(N) == pytest.approx(0.8 * lift * 0.1 / 3.0, rel=1e-9)
@@ -403,7 +421,7 @@ def test_the_moment_goes_as_the_lift_does(name: str) -> None:
 @pytest.mark.parametrize("step", [1 / 30, 1 / 60])
 def test_a_core_is_not_wound_by_the_first_step(step: float) -> None:
     """Runge and Kutta's rule of a rate that is known is Simpson's; the least n is the worst."""
-    effect = plates().effect("servo_lag")
+    effect = two_plate_system().effect("servo_lag")
     n = next(p.lower for p in effect.parameters if p.symbol == "n")
     t = np.arange(0.0, 6.0, 0.5 * step)
     turn_rate = effect.hooks["core_turn_rate"]
@@ -414,10 +432,10 @@ def test_a_core_is_not_wound_by_the_first_step(step: float) -> None:
 
 def test_a_core_that_takes_the_turning_goes_with_the_head_angle() -> None:
     """Over the whole start it turns by c times what was missing of the angle; c = 0: not at all."""
-    servo, t = plates().effect("servo_lag").hooks, np.linspace(0.0, 4.0, 40001)
+    servo, t = two_plate_system().effect("servo_lag").hooks, np.linspace(0.0, 4.0, 40001)
     for n, q, w in ((1.0, 0.0, 0.0), (2.2, 0.6, 0.0), (1.0, 0.0, 1.0), (1.5, 0.3, 0.5)):
         given, swing = (0.8, 0.3, n, q), (w, 3.0)
-        missing = servo["drive"](0.0, 0.5, *given, 0.2, *swing)[0]
+        missing = servo["actuation_inputs"](0.0, 0.5, *given, 0.2, *swing)[0]
         assert missing == pytest.approx(-0.8 * 0.5, rel=1e-3)
         turn = [servo["core_turn_rate"](one, 0.5, *given, 0.7, 0.2, *swing)[0] for one in t]
         assert np.trapezoid(turn, t) == pytest.approx(-0.7 * missing, rel=2e-3)
@@ -428,7 +446,7 @@ def test_an_overshooting_servo_is_the_step_response_of_second_order() -> None:
     """Nise (2015), sec. 4.6: damping ratio 0.3, 5 rad/s, from rest at the angle 0."""
     ratio, natural = 0.3, 5.0
     damped = np.sqrt(1 - ratio**2)
-    drive = plates().effect("servo_lag").hooks["drive"]
+    drive = two_plate_system().effect("servo_lag").hooks["actuation_inputs"]
     for t in (0.05, 0.4, 1.1, 2.0):
         z = damped * natural * t
         reached = 1 - np.exp(-ratio * natural * t) * (np.cos(z) + ratio / damped * np.sin(z))
@@ -437,7 +455,7 @@ def test_an_overshooting_servo_is_the_step_response_of_second_order() -> None:
 
 
 def test_a_servo_does_not_move_in_its_dead_time() -> None:
-    drive = plates().effect("servo_lag").hooks["drive"]
+    drive = two_plate_system().effect("servo_lag").hooks["actuation_inputs"]
     given = {"k": 1.0, "tau": 0.3, "n": 1.0, "q": 0.0, "w": 0.0, "b": 3.0}
     assert drive(0.15, 0.5, **given, t_d=0.2)[0] == pytest.approx(-0.5, rel=1e-6)
     assert drive(0.5, 0.5, **given, t_d=0.2) == pytest.approx(drive(0.3, 0.5, **given, t_d=0.0))
@@ -446,7 +464,7 @@ def test_a_servo_does_not_move_in_its_dead_time() -> None:
 def wave_drag_newton(speed_m_s: float, **form: float) -> float:
     """Wave drag of k = 1 N (s/m)^4 in straight swimming."""
     none = {"w": 0.0, "h": 0.0, "g": 0.0, "V_c": 0.35, "o": 0.0, "V_0": 0.23}
-    force = plates().effect("wave_drag").hooks["force"]
+    force = two_plate_system().effect("wave_drag").hooks["force"]
     return -force(0.1, speed_m_s, 0.0, speed_m_s, 1.0, **none | form)[0]
 
 
@@ -465,17 +483,17 @@ def test_no_waves_below_the_least_speed_of_waves() -> None:
 
 def test_a_centre_of_mass_moves_with_the_turned_head() -> None:
     """With w = 1 it is shifted by d at 45 degrees, to both sides, and not with a straight head."""
-    observe = plates().effect("centre_of_mass_shift").hooks["observe"]
+    observe = two_plate_system().effect("centre_of_mass_shift").hooks["observe"]
     for side in (1.0, -1.0):
         turned = observe(1.0, 0.0, side * np.sin(np.pi / 4), 0.01, 0.0, 1.0)
         assert turned == pytest.approx((-0.01, 0.0, 0.0, 0.0))
     assert observe(1.0, 0.0, 0.0, 0.01, 0.0, 1.0) == (0.0, 0.0, 0.0, 0.0)
-    force = plates().effect("centre_of_mass_shift").hooks["force"]
+    force = two_plate_system().effect("centre_of_mass_shift").hooks["force"]
     assert force(0.2, 0.0, 0.3, 1.0, 0.0, 0.01, 0.0, 0.0)[2] == pytest.approx(-0.003)
 
 
 def test_a_label_that_follows_the_turned_head_errs_to_the_side_of_the_head() -> None:
-    observe = plates().effect("keypoint_bias").hooks["observe"]
+    observe = two_plate_system().effect("keypoint_bias").hooks["observe"]
     given = {"bx": 0.0, "by": 0.004, "bpsi": 0.02, "bphi": 0.03, "w": 1.0}
     left = observe(1.0, 0.0, np.sin(np.pi / 4), **given)
     right = observe(1.0, 0.0, -np.sin(np.pi / 4), **given)
@@ -485,17 +503,17 @@ def test_a_label_that_follows_the_turned_head_errs_to_the_side_of_the_head() -> 
 
 def test_added_mass_without_its_munk_moment() -> None:
     """Kirchhoff's -(A22 - A11) u v, given back where e = 0."""
-    added = plates().effect("added_mass").hooks["force"]
+    added = two_plate_system().effect("added_mass").hooks["force"]
     assert added(0.3, 0.1, 0.2, 0.25, 0.0) == pytest.approx((0, 0, (0.2 - 0.05) * 0.3 * 0.1))
     assert added(0.3, 0.1, 0.2, 0.25, 1.0) == (0.0, 0.0, 0.0)
 
 
 def test_terms_of_head_angle_and_side() -> None:
     """A constant and f in yaw; u^2 sin phi in sway."""
-    none = {p.name: 0.0 for p in residual.PARAMETERS}
+    none = {p.name: 0.0 for p in residual.EFFECT_PARAMETERS}
     given = {"cpsi": np.cos(0.7), "spsi": np.sin(0.7), "sphi": np.sin(0.5), "f": 4.0}
     strengths = {"sway_u2_sinphi": 2.0, "yaw_constant": 0.1, "yaw_f": 0.2}
-    X, Y, N = call_effect(plates().effect("residual"), "force", np.array([0.3, 0.0, 0.0]),
+    X, Y, N = call_effect(two_plate_system().effect("residual"), "force", np.array([0.3, 0.0, 0.0]),
                    **none | given | strengths)  # fmt: skip
     expected = 0.1 + 0.2 * 4
     assert pytest.approx((0.0, 2 * 0.09 * np.sin(0.5), expected)) == (X, Y, N)
@@ -504,7 +522,7 @@ def test_terms_of_head_angle_and_side() -> None:
 def test_crossflow_drag_of_a_tapering_body() -> None:
     """Depth from (1 + q) d at the hinge to (1 - q) d at the tail base, by fine strips."""
     found = call_effect(
-        plates().effect("crossflow_drag"), "force", np.array([0.0, 0.2, 0.5]), q=0.6
+        two_plate_system().effect("crossflow_drag"), "force", np.array([0.0, 0.2, 0.5]), q=0.6
     )
     x = np.linspace(0.04, -0.171, 4001)
     depth = 0.069 * (1 + 0.6 * (2 * (x + 0.171) / 0.211 - 1))
@@ -515,7 +533,7 @@ def test_crossflow_drag_of_a_tapering_body() -> None:
 
 def test_crossflow_drag_of_a_deep_tail() -> None:
     """A tail of 0.07 m, two spans deep, that moves sideways at 0.2 - 0.206 m x 0.5 rad/s."""
-    effect, motion = plates().effect("crossflow_drag"), np.array([0.0, 0.2, 0.5])
+    effect, motion = two_plate_system().effect("crossflow_drag"), np.array([0.0, 0.2, 0.5])
     added = np.subtract(
         call_effect(effect, "force", motion, j=2.0), call_effect(effect, "force", motion, j=0.0)
     )
@@ -525,7 +543,7 @@ def test_crossflow_drag_of_a_deep_tail() -> None:
 
 @pytest.mark.parametrize(("b", "c"), [(0.0, 0.0), (0.4, 0.3), (1.0, 0.0), (0.0, 1.0)])
 def test_the_eddy_turns_a_line_as_its_velocities_differ_along_it(b: float, c: float) -> None:
-    eddy = plates().effect("pool_gyre").hooks["water"]
+    eddy = two_plate_system().effect("pool_gyre").hooks["ambient_flow"]
     place, psi, step = np.array([0.7, 1.1]), 0.6, 1e-6
     along, left = np.array([np.cos(psi), np.sin(psi)]), np.array([-np.sin(psi), np.cos(psi)])
     ahead, behind = (eddy(*(place + k * step * along), psi, 2.6, 1.6, 0.02, 1.0, 0.5, b, c, 0.7)[:2]
@@ -538,13 +556,13 @@ def test_the_eddy_turns_a_line_as_its_velocities_differ_along_it(b: float, c: fl
 
 def test_water_that_turns_with_the_robot_damps_nothing_and_meets_the_plate_at_its_arm() -> None:
     w, arm = 0.3, 0.1
-    rc, rd, uh, vh = flow(arm, 0.4, 0.0, 0.0, w, 1.0, 0.0, 0.0, 0.0, w, w)[4:8]
+    rc, rd, uh, vh = relative_flow_velocities(arm, 0.4, 0.0, 0.0, w, 1.0, 0.0, 0.0, 0.0, w, w)[4:8]
     assert (rc, rd, uh, vh) == (0.0, 0.0, 0.0, -arm * w)  # r l itself the paper leaves out
 
 
 @pytest.mark.parametrize(("p", "q", "power"), [(0, 0, 1.0), (1, 0, 1.5), (0, 1, 1.0)])
 def test_yaw_damping_grows_with_its_power_of_the_yaw_rate(p, q, power) -> None:
-    damping, motion = plates().effect("linear_yaw_damping"), np.array([0.3, 0.0, 0.5])
+    damping, motion = two_plate_system().effect("linear_yaw_damping"), np.array([0.3, 0.0, 0.5])
     slow = call_effect(damping, "force", motion, p=p, q=q)[2]
     assert slow == pytest.approx(-0.005 * 0.5)
     fast = call_effect(damping, "force", motion * np.array([1, 1, 2]), p=p, q=q)[2]
@@ -554,7 +572,7 @@ def test_yaw_damping_grows_with_its_power_of_the_yaw_rate(p, q, power) -> None:
 
 
 def test_friction_of_stribeck_is_larger_at_rest_by_its_excess() -> None:
-    friction = plates().effect("coulomb_friction")
+    friction = two_plate_system().effect("coulomb_friction")
     near, far = (call_effect(friction, "force", np.array([u, 0.0, 0.0]), c=1e-3, s=0.5)[0]
                  for u in (0.01, 1.0))  # fmt: skip
     assert far == pytest.approx(-0.02, rel=1e-4)
@@ -562,21 +580,21 @@ def test_friction_of_stribeck_is_larger_at_rest_by_its_excess() -> None:
 
 
 def test_crossflow_drag_that_falls_with_the_reynolds_number_has_the_power_three_halves() -> None:
-    drag = plates().effect("crossflow_drag")
+    drag = two_plate_system().effect("crossflow_drag")
     low, high = (call_effect(drag, "force", np.array([0.0, v, 0.0]), e=1.0)[1] for v in (0.1, 0.4))
     assert high == pytest.approx(low * 4**1.5)
     assert low == pytest.approx(call_effect(drag, "force", np.array([0.0, 0.1, 0.0]))[1])
 
 
 def test_a_trim_moment_of_the_thrust_goes_with_the_beat_alone() -> None:
-    trim = plates().effect("trim_moment")
+    trim = two_plate_system().effect("trim_moment")
     moments = [call_effect(trim, "force", np.array([u, 0.0, 0.0]), w=1.0, f=f)[2]
                for u, f in ((0.1, 3.5), (0.4, 3.5), (0.4, 7.0))]  # fmt: skip
     assert moments == pytest.approx(0.045 * 1000 * 0.0083 * 0.001 * np.array([1, 1, 4]))
 
 
 def test_a_head_with_a_wrong_gain_or_play_errs_with_its_angle_or_side() -> None:
-    drive = plates().effect("head_angle_offset").hooks["drive"]
+    drive = two_plate_system().effect("head_angle_offset").hooks["actuation_inputs"]
     angles = np.radians([-35.0, 17.5, 35.0])
     gain = [drive(a, 0.02, 1.0, 0.0)[0] for a in angles]
     assert gain == pytest.approx([-0.02, 0.01, 0.02])
@@ -586,7 +604,7 @@ def test_a_head_with_a_wrong_gain_or_play_errs_with_its_angle_or_side() -> None:
 
 def test_a_wake_that_fades_counts_by_its_age() -> None:
     """Two turns at 1.047 rad/s: an age of 6 s; half of that rate and a decay of 1: half of it."""
-    wake, motion = plates().effect("wake_reentry"), np.array([0.3, 0.0, 2 * np.pi / 6])
+    wake, motion = two_plate_system().effect("wake_reentry"), np.array([0.3, 0.0, 2 * np.pi / 6])
     given = {"psi": 4 * np.pi, "n_1": 1.0, "a": 1.0}
     X = call_effect(wake, "force", motion, **given)[0]
     assert pytest.approx(0.5 * 1000 * 0.0083 * 0.2 * 0.09) == X
@@ -598,7 +616,7 @@ def test_a_wake_that_fades_counts_by_its_age() -> None:
 
 
 def test_a_robot_that_settles_has_sunk_by_its_first_rate_over_the_settling_rate() -> None:
-    seen = plates().effect("sinking").hooks["observe"]
+    seen = two_plate_system().effect("sinking").hooks["observe"]
     late = seen(20.0, 2.3, 0.8, 1.3, 0.8, 0.002, 0.0, 1.0)
     assert late == pytest.approx((-0.002, 0.0, 0.0, 0.0))
     steady = seen(2.0, 2.3, 0.8, 1.3, 0.8, 0.002, 0.0, 1e-4)
@@ -606,21 +624,21 @@ def test_a_robot_that_settles_has_sunk_by_its_first_rate_over_the_settling_rate(
 
 
 def test_a_sheared_current_vanishes_at_one_wall_and_doubles_at_the_other() -> None:
-    current = plates().effect("uniform_current").hooks["water"]
+    current = two_plate_system().effect("uniform_current").hooks["ambient_flow"]
     across = [current(3.0, 1.3, y, 2.6, 1.6, 0.01, 0.0, 1.0, 0.0)[0] for y in (0.0, 0.8, 1.6)]
     assert across == pytest.approx([0.0, 0.01, 0.02])
     assert current(6.0, 1.3, 0.8, 2.6, 1.6, 0.01, 0.0, 0.0, -1.0)[0] == pytest.approx(0.0)
 
 
 def test_a_vortex_is_fastest_at_its_core_radius() -> None:
-    water = plates().effect("pool_gyre").hooks["water"]
+    water = two_plate_system().effect("pool_gyre").hooks["ambient_flow"]
     speeds = [water(1.3 + r, 0.8, 0.0, 2.6, 1.6, 0.02, 0.0, 0.0, 1.0, 0.0, 0.4)[1]
               for r in (0.2, 0.4, 0.8)]  # fmt: skip
     assert speeds == pytest.approx([0.016, 0.02, 0.016])
 
 
 def test_a_wall_that_sucks_pulls_across_a_robot_beside_it() -> None:
-    wall = plates().effect("wall_effect")
+    wall = two_plate_system().effect("wall_effect")
     given = {"L_pool": 900.0, "W_pool": 900.0, "x": 450.0, "y": 0.1, "s": 0.1, "w": 0.0,
              "cpsi": 1.0, "spsi": 0.0}  # fmt: skip
     force = call_effect(wall, "force", np.array([0.3, 0.0, 0.0]), **given, k=1.0, g=0.5, j=0.2)
@@ -629,7 +647,7 @@ def test_a_wall_that_sucks_pulls_across_a_robot_beside_it() -> None:
 
 
 def test_a_side_that_damps_more_adds_its_part_of_the_yaw_damping() -> None:
-    side = plates().effect("port_starboard_asymmetry")
+    side = two_plate_system().effect("port_starboard_asymmetry")
     left, right = (
         call_effect(side, "force", np.array([0.0, 0.0, r]), n=0.1)[2] for r in (0.5, -0.5)
     )
@@ -638,9 +656,9 @@ def test_a_side_that_damps_more_adds_its_part_of_the_yaw_damping() -> None:
 
 def test_drag_that_differs_between_the_sides_adds_on_one_and_lacks_on_the_other() -> None:
     """0.2 C_Da (1 - cos 2 alpha) of 1/2 rho A V^2, against the flow with the lift to the left."""
-    side = plates().effect("port_starboard_asymmetry")
+    side = two_plate_system().effect("port_starboard_asymmetry")
     for vh, sign in ((-0.1, 1.0), (0.1, -1.0)):
         given = {"uh": 0.3, "vh": vh, "V": np.hypot(0.3, 0.1)}
-        X, Y = call_effect(side, "plate", np.zeros(3), **given, k=0.0, g=0.2, w=0.0)
+        X, Y = call_effect(side, "head_plate_force", np.zeros(3), **given, k=0.0, g=0.2, w=0.0)
         drag = sign * 0.5 * 1000 * 0.0083 * 2.0 * 0.2 * 2 * 0.01
         assert -(X * 0.3 + Y * vh) / np.hypot(0.3, 0.1) == pytest.approx(drag)

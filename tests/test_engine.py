@@ -13,26 +13,26 @@ from scipy.integrate import quad
 from scipy.stats import multivariate_normal
 
 from bluekoi.engine import (
-    FittedSet,
+    CauseSearchProblem,
+    FittedCauseSet,
     NamedCause,
     Posterior,
     Priors,
-    Problem,
     candidates_of,
-    expand_about,
+    expand_likelihood,
     fit_own_noise,
     fit_set,
     insignificance_sentence,
     insignificant_causes,
     named_causes,
-    posterior,
+    posterior_over_sets,
     search_sets,
     set_score,
     strength_estimates,
 )
 from bluekoi.engine.calibration import calibrated_probability, calibrated_shares
 from bluekoi.engine.collinear_terms import collinear_terms
-from bluekoi.engine.evidence import laplace_evidence, log_evidence
+from bluekoi.engine.evidence import laplace_log_evidence, log_evidence
 from bluekoi.engine.expansion import expand_in_all_forms, likely_strengths
 from bluekoi.engine.own_noise import (
     MIN_ROUND_GAIN_LOG_LIK,
@@ -41,19 +41,23 @@ from bluekoi.engine.own_noise import (
     small_force_noise,
 )
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
-from bluekoi.engine.set_columns import Layout
-from bluekoi.engine.set_score import at_optimum, score_set, with_discrepancy
-from bluekoi.engine.subset import designed_subset
-from bluekoi.fitting import Z_95, Free, Noise, Series, cluster_robust_covariance
+from bluekoi.engine.set_columns import CauseSetColumns
+from bluekoi.engine.set_score import (
+    expansion_with_optimum_gradient,
+    refit_with_discrepancy,
+    score_set,
+)
+from bluekoi.engine.subset import d_optimal_trial_subset
+from bluekoi.fitting import Z_95, FreeParameter, Noise, TrialSeries, cluster_robust_covariance
 from bluekoi.fitting.trial_effects import marginal_products
-from bluekoi.integrate import Effect, Parameter, Stage, System, compiled
+from bluekoi.integrate import Effect, Parameter, Stage, System, compile_system
 from validation.noise_starts import gain_table, gains_of_sets
 from validation.search_limits import round_gains
 
 
-def one_strength(size: float, *, signed: bool = False) -> Layout:
+def one_strength(size: float, *, signed: bool = False) -> CauseSetColumns:
     """A set of one cause with one strength and nothing else."""
-    return Layout(
+    return CauseSetColumns(
         columns=np.array([0]), count=0, blocks={"cause": np.array([0])},
         precision=np.array([size**-2.0]), gaussian=np.array([False]),
         included=np.array([False]), signed={"cause": signed},
@@ -79,7 +83,7 @@ def exact_log_bayes_factor(H: float, g: float, size: float, lower: float = -np.i
 @pytest.mark.parametrize("z", [0.5, 3.0, 8.0])
 def test_evidence_of_one_strength_is_the_integral_over_its_prior(z: float) -> None:
     H, size = 400.0, 1.0  # standard error 0.05, a twentieth of what is plausible
-    found = laplace_evidence(np.array([[H]]), np.array([z * np.sqrt(H)]), one_strength(size))
+    found = laplace_log_evidence(np.array([[H]]), np.array([z * np.sqrt(H)]), one_strength(size))
     assert found == pytest.approx(exact_log_bayes_factor(H, z * np.sqrt(H), size), abs=0.05)
 
 
@@ -87,20 +91,20 @@ def test_evidence_of_one_strength_is_the_integral_over_its_prior(z: float) -> No
 def test_a_strength_of_one_sign_has_half_the_prior(z: float) -> None:
     H, size = 400.0, 1.0
     lay = one_strength(size, signed=True)
-    found = laplace_evidence(np.array([[H]]), np.array([z * np.sqrt(H)]), lay)
+    found = laplace_log_evidence(np.array([[H]]), np.array([z * np.sqrt(H)]), lay)
     exact = exact_log_bayes_factor(H, z * np.sqrt(H), size, lower=0.0)
     assert found == pytest.approx(exact, abs=0.1)
 
 
 def test_a_cause_that_no_trial_informs_on_neither_gains_nor_loses() -> None:
-    found = laplace_evidence(np.array([[1e-9]]), np.zeros(1), one_strength(1.0))
+    found = laplace_log_evidence(np.array([[1e-9]]), np.zeros(1), one_strength(1.0))
     assert abs(found) < 0.3
 
 
 def test_an_effect_far_smaller_than_plausible_loses_to_no_effect() -> None:
     """Three standard errors from 0, but a thousandth of its plausible size (Lindley 1957)."""
     H = (3.0 / 1e-3) ** 2
-    found = laplace_evidence(np.array([[H]]), np.array([1e-3 * H]), one_strength(1.0))
+    found = laplace_log_evidence(np.array([[H]]), np.array([1e-3 * H]), one_strength(1.0))
     assert found < -1.0
 
 
@@ -175,7 +179,7 @@ SYSTEM = System(
 )  # fmt: skip
 
 
-def driven_mass_trials(k: float, F0: float, trials: int = 12) -> list[Series]:
+def driven_mass_trials(k: float, F0: float, trials: int = 12) -> list[TrialSeries]:
     """Trials of a driven mass with quadratic drag k and a constant force F0, noise 1 mm."""
     rng, dt = np.random.default_rng(17), 1e-3
     out = []
@@ -187,7 +191,7 @@ def driven_mass_trials(k: float, F0: float, trials: int = 12) -> list[Series]:
             v += dt * (u + F0 - 0.4 * v - k * v * abs(v))
             x += dt * v
         n = len(seen)
-        out.append(Series(
+        out.append(TrialSeries(
             f"T{i}", "all", f"u {u:g}", np.arange(n) * 0.05, np.full((n, 1), u), np.zeros(0),
             np.array(seen)[:, None], np.full((n, 1, 1), 1e-6), np.zeros(3),
             np.diag([1e-4, 1e-4, 1e-6]),
@@ -195,14 +199,17 @@ def driven_mass_trials(k: float, F0: float, trials: int = 12) -> list[Series]:
     return out
 
 
-def driven_mass_problem(series: list[Series]) -> Problem:
+def driven_mass_problem(series: list[TrialSeries]) -> CauseSearchProblem:
     """Both candidates beside the driven mass."""
     names = ["quadratic_drag", "constant_force"]
-    return Problem(
-        kernel=compiled(SYSTEM), series=series, base=SYSTEM.values({}), coefficients=(Free("c"),),
+    return CauseSearchProblem(
+        kernel=compile_system(SYSTEM),
+        series=series,
+        base=SYSTEM.values({}),
+        coefficients=(FreeParameter("c"),),
         candidates=candidates_of(SYSTEM, names, Priors(cause=0.1)),
         noise=Noise(np.array([0.01]), np.array([0.3]), np.ones(1)),
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize(
@@ -212,7 +219,7 @@ def driven_mass_problem(series: list[Series]) -> Problem:
 )  # fmt: skip
 def test_the_causes_that_act_and_no_others_are_probable(k: float, F0: float, true: set) -> None:
     visited = search_sets(driven_mass_problem(driven_mass_trials(k, F0)))
-    found = posterior(visited.problem, list(visited.sets.values()))
+    found = posterior_over_sets(visited.problem, list(visited.sets.values()))
     assert {name for name, p in found.inclusion.items() if p > 0.5} == true
     assert all(found.inclusion[name] > 0.95 for name in true)
     assert found.probability.sum() == pytest.approx(1.0)
@@ -280,7 +287,7 @@ def test_a_strength_is_judged_with_the_form_of_its_cause_held() -> None:
                   {"force": drag_of_some_exponent}, "tests", ("surge",))  # fmt: skip
     system = replace(SYSTEM, effects=(*SYSTEM.effects[:1], drag))
     problem = replace(
-        driven_mass_problem(driven_mass_trials(0.3, 0.0)), kernel=compiled(system),
+        driven_mass_problem(driven_mass_trials(0.3, 0.0)), kernel=compile_system(system),
         base=system.values({}), candidates=candidates_of(system, ["drag"], Priors(cause=0.1)),
     )  # fmt: skip
     fitted = fit_own_noise(problem, fit_set(problem, ("drag",), problem.noise, {}))
@@ -297,8 +304,8 @@ def test_a_strength_is_judged_with_the_form_of_its_cause_held() -> None:
 def test_without_its_limit_the_posterior_keeps_every_set() -> None:
     visited = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
     sets = list(visited.sets.values())
-    kept = posterior(visited.problem, sets, max_log_odds=5.0)
-    whole = posterior(visited.problem, sets, max_log_odds=np.inf)
+    kept = posterior_over_sets(visited.problem, sets, max_log_odds=5.0)
+    whole = posterior_over_sets(visited.problem, sets, max_log_odds=np.inf)
     assert len(kept.sets) < len(whole.sets) == len(sets)
     assert whole.inclusion == pytest.approx(kept.inclusion, abs=0.01)
 
@@ -315,7 +322,7 @@ def test_a_fit_begins_at_the_strength_that_the_expansion_gives() -> None:
     for true in (0.3, -0.2):
         whole = driven_mass_problem(driven_mass_trials(0.0, true))
         first = fit_own_noise(whole, fit_set(whole, (), whole.noise, {}))
-        start = likely_strengths(whole, expand_about(whole, first), "constant_force")
+        start = likely_strengths(whole, expand_likelihood(whole, first), "constant_force")
         (value,) = start.values()
         assert value == pytest.approx(true, rel=0.3)
 
@@ -345,7 +352,7 @@ def test_the_subset_holds_the_trials_that_alone_inform_on_a_number() -> None:
     information = np.zeros((30, 2, 2))
     information[:, 0, 0] = 1.0
     information[[4, 17], 1, 1] = 1.0
-    assert {4, 17} <= set(designed_subset(information, 5))
+    assert {4, 17} <= set(d_optimal_trial_subset(information, 5))
 
 
 def test_the_subset_has_nearly_the_determinant_of_the_best_one() -> None:
@@ -357,11 +364,11 @@ def test_the_subset_has_nearly_the_determinant_of_the_best_one() -> None:
         return float(np.linalg.slogdet(information[list(chosen)].sum(axis=0))[1])
 
     best = max(size(chosen) for chosen in combinations(range(9), 4))
-    assert size(designed_subset(information, 4)) > best - 0.5
+    assert size(d_optimal_trial_subset(information, 4)) > best - 0.5
 
 
 def test_a_small_study_is_searched_whole() -> None:
-    assert designed_subset(np.ones((5, 1, 1)), 24) == [0, 1, 2, 3, 4]
+    assert d_optimal_trial_subset(np.ones((5, 1, 1)), 24) == [0, 1, 2, 3, 4]
 
 
 def test_order_of_the_trials_changes_no_probability() -> None:
@@ -377,7 +384,7 @@ def test_a_set_that_one_trial_alone_supports_is_less_sure_than_its_evidence() ->
     series = driven_mass_trials(0.0, 0.0)
     odd = replace(series[0], seen=series[0].seen + 0.004 * series[0].times[:, None] ** 2)
     visited = search_sets(driven_mass_problem([odd, *series[1:]]))
-    found = posterior(visited.problem, list(visited.sets.values()))
+    found = posterior_over_sets(visited.problem, list(visited.sets.values()))
     logs = np.array([s.log_posterior for s in found.sets])
     plain = np.exp(logs - logs.max()) / np.exp(logs - logs.max()).sum()
     assert found.probability.max() <= plain.max() + 0.05
@@ -482,14 +489,16 @@ def test_a_number_at_its_bound_promises_no_gain_from_leaving_it() -> None:
     at_zero = replace(
         model, fit=replace(model.fit, values=values), at_bound=np.array([False, True])
     )
-    expansion = expand_about(whole, at_zero, [])
+    expansion = expand_likelihood(whole, at_zero, [])
     for slope, kept in ((5.0, 0.0), (-5.0, -5.0)):
         gradient = np.full_like(expansion.gradient, slope / len(expansion.gradient))
-        found = at_optimum(whole, replace(expansion, gradient=gradient)).gradient.sum(axis=0)
+        found = expansion_with_optimum_gradient(
+            whole, replace(expansion, gradient=gradient)
+        ).gradient.sum(axis=0)
         assert found == pytest.approx([0.0, kept], abs=1e-12)
 
 
-def problem_with_a_discrepancy() -> Problem:
+def problem_with_a_discrepancy() -> CauseSearchProblem:
     """Drag and what its formula leaves, a constant force."""
     problem = driven_mass_problem(driven_mass_trials(0.3, 0.05))
     source = frozenset({("surge", "speed")})
@@ -503,16 +512,18 @@ def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> No
     problem, label = problem_with_a_discrepancy(), "constant_force.F0"
     fitted = fit_own_noise(problem, fit_set(problem, ("quadratic_drag",), problem.noise, {}))
     scored = score_set(problem, fitted)
-    reached = with_discrepancy(problem, scored)
+    reached = refit_with_discrepancy(problem, scored)
     assert reached.model.deviations.keys() == {label}
     assert reached.log_joint > scored.log_joint
 
-    def ends_early(problem: Problem, model: FittedSet, noise: Noise, **given) -> FittedSet:
+    def ends_early(
+        problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise, **given
+    ) -> FittedCauseSet:
         return fit_set(problem, model.causes, noise, {"c": 3.0}, iterations=0, passes=1, **given)
 
-    monkeypatch.setattr(set_score, "fit_again", ends_early)
+    monkeypatch.setattr(set_score, "refit_from_fitted_values", ends_early)
     monkeypatch.setattr(set_score, "fit_own_noise", lambda problem, model, **_: model)
-    found = with_discrepancy(problem, scored)
+    found = refit_with_discrepancy(problem, scored)
     assert found.log_joint == pytest.approx(scored.log_joint)
     assert found.model.discrepancy == {label: 0.0}
     column = found.expansion.strengths["constant_force"][0]
@@ -530,7 +541,7 @@ def test_a_residual_term_collinear_with_a_cause_is_no_candidate_of_its_own() -> 
     drag, force, twin = candidates_of(system, names, Priors(cause=0.1))
     residual = {"kind": "residual", "sources": source}
     problem = replace(
-        driven_mass_problem(driven_mass_trials(0.3, 0.0)), kernel=compiled(system),
+        driven_mass_problem(driven_mass_trials(0.3, 0.0)), kernel=compile_system(system),
         base=system.values({}), candidates=(replace(drag, sources=source),
         replace(force, **residual), replace(twin, **residual)),
     )  # fmt: skip

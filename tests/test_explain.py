@@ -29,13 +29,13 @@ from bluekoi.explain import (
     predict_left_out,
     read_trials,
 )
-from bluekoi.explain.checks import checked_model
+from bluekoi.explain.checks import refuse_invalid_model
 from bluekoi.explain.results_json import verdict_sentence
 from bluekoi.explain.sampling import averaged_to_rate
 from bluekoi.explain.system_assembly import assemble_system
 from bluekoi.explain.trials import series_of, validated_trials
-from bluekoi.integrate import compiled
-from bluekoi.integrate.batch import propagate
+from bluekoi.integrate import compile_system
+from bluekoi.integrate.batch import simulate_batch
 
 MODEL_FILE = Path(__file__).parent / "cart_model.py"
 
@@ -195,12 +195,12 @@ def test_only_the_asked_causes_are_tried(cart_model):
 
 def free_simulation(model: Model, trial: Trial) -> np.ndarray:
     assembly = assemble_system(model)
-    kernel = compiled(assembly.system)
+    kernel = compile_system(assembly.system)
     one = series_of(model, assembly, trial, {})
     lanes = [np.repeat(np.asarray(a, float)[None, :, None], 16, axis=2)
              for a in (one.mean, assembly.system.values({"c": 0.4}), one.constants)]  # fmt: skip
     lanes[0][:, :2] = 0.0
-    observed, _ = propagate(kernel, *lanes, times=one.times[None], inputs=one.inputs[None])
+    observed, _ = simulate_batch(kernel, *lanes, times=one.times[None], inputs=one.inputs[None])
     return observed[0, :, 0, 0]
 
 
@@ -257,7 +257,7 @@ def test_a_model_whose_rates_are_too_few_is_named(cart_model):
     stages = tuple(replace(s, function=lambda v, F: (v,)) if s.name == "rates" else s
                    for s in cart_model.stages)  # fmt: skip
     with pytest.raises(InputError, match=r"stage rates.*1 values; expected a tuple of 2: x, v"):
-        checked_model(replace(cart_model, stages=stages))
+        refuse_invalid_model(replace(cart_model, stages=stages))
 
 
 def test_a_model_that_asks_for_an_unknown_name_is_reported_the_nearest(cart_model):
@@ -268,32 +268,32 @@ def test_a_model_that_asks_for_an_unknown_name_is_reported_the_nearest(cart_mode
     with pytest.raises(
         InputError, match=r"cause drag: drag: found argument 'kk'.*Did you mean 'k'"
     ):
-        checked_model(replace(cart_model, causes=(wrong,)))
+        refuse_invalid_model(replace(cart_model, causes=(wrong,)))
 
 
 def test_a_misspelt_stage_is_named(cart_model):
     wrong = replace(cart_model.causes[0], hooks={"forces": cart_model.causes[0].hooks["force"]})
     with pytest.raises(InputError, match=r"stage 'forces'.*expected an open stage.*'force'"):
-        checked_model(replace(cart_model, causes=(wrong,)))
+        refuse_invalid_model(replace(cart_model, causes=(wrong,)))
 
 
 def test_a_tuple_of_one_without_its_comma_is_named(cart_model):
     for part in ("causes", "inputs", "coefficients"):
         (kind,) = {type(x).__name__ for x in getattr(cart_model, part)}
         with pytest.raises(InputError, match=f"{part}: found a single {kind}.*needs a comma"):
-            checked_model(replace(cart_model, **{part: getattr(cart_model, part)[0]}))
+            refuse_invalid_model(replace(cart_model, **{part: getattr(cart_model, part)[0]}))
 
 
 def test_a_coefficient_that_no_equation_asks_for_is_named(cart_model):
     more = (*cart_model.coefficients, Parameter("m", "kg", 1.0, 0.1, 5.0, "mass"))
     with pytest.raises(InputError, match="coefficient m: found no equation that asks for it"):
-        checked_model(replace(cart_model, coefficients=more))
+        refuse_invalid_model(replace(cart_model, coefficients=more))
 
 
 def test_an_accuracy_that_is_text_is_named(cart_model):
     wrong = (Observation("position", "m", "1e-3"),)
     with pytest.raises(InputError, match="position: std: found '1e-3'; expected a number"):
-        checked_model(replace(cart_model, observations=wrong))
+        refuse_invalid_model(replace(cart_model, observations=wrong))
 
 
 @pytest.mark.parametrize(

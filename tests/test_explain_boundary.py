@@ -19,7 +19,7 @@ from hypothesis.extra import numpy as arrays
 
 from bluekoi.errors import InputError
 from bluekoi.explain import Model, Observation, Trial, load_model, read_trials
-from bluekoi.explain.checks import checked_model
+from bluekoi.explain.checks import refuse_invalid_model
 from bluekoi.explain.feedback import explained_by_innovations
 from bluekoi.explain.recording_warnings import time_unit_warnings
 from bluekoi.explain.trials import validated_trials
@@ -237,14 +237,14 @@ from bluekoi.explain.system_assembly import assemble_system
 from bluekoi.explain.trials import series_of
 from bluekoi.fitting import filter_series, free_runs
 from bluekoi.explain.preparation import initial_noise
-from bluekoi.integrate import compiled
+from bluekoi.integrate import compile_system
 from bluekoi.explain import Trial
 from numba import config
 
 assert config.DISABLE_JIT == 1
 model = load_model(__import__("pathlib").Path({path!r}))
 assembly = assemble_system(model)
-kernel = compiled(assembly.system)
+kernel = compile_system(assembly.system)
 series = []
 for n in (4, 7, 33):
     t = 0.05 * np.arange(n)
@@ -308,5 +308,5 @@ def test_a_number_that_no_equation_computes_with_is_refused():
     cause = replace(next(c for c in DRIVE.causes if c.name == "coulomb_friction"),
                     hooks={"force": dry})  # fmt: skip
     with pytest.raises(InputError, match="coulomb_friction: v_s: found a number that no equation"):
-        checked_model(replace(DRIVE, causes=(cause,)))
-    checked_model(DRIVE)
+        refuse_invalid_model(replace(DRIVE, causes=(cause,)))
+    refuse_invalid_model(DRIVE)

@@ -11,12 +11,12 @@ import pytest
 from bluekoi.errors import InputError
 from bluekoi.explain import Stage, Trial, load_model, read_trials
 from bluekoi.explain.diagnosis import divergence_error, reporting_compiler_errors
-from bluekoi.explain.numbers import Number, at_bound_sentences
-from bluekoi.explain.prediction import Run, runaway_sentences
+from bluekoi.explain.numbers import FittedNumber, at_bound_sentences
+from bluekoi.explain.prediction import FreeSimulation, runaway_sentences
 from bluekoi.explain.recording_warnings import (
-    stuck_sentences,
+    stuck_sensor_warnings,
     time_unit_warnings,
-    warnings_of,
+    unusual_recording_warnings,
 )
 from bluekoi.explain.trials import validated_trials
 
@@ -103,21 +103,21 @@ def test_samples_further_apart_than_ten_time_constants_are_reported():
 
 @pytest.mark.parametrize(("level", "more"), [(0.0, "; right column?"), (25.0, "")])
 def test_an_input_of_one_value_is_reported(level, more):
-    assert warnings_of(MODEL, [cart_trial()]) == []
+    assert unusual_recording_warnings(MODEL, [cart_trial()]) == []
     one = [replace(cart_trial(n), inputs={"push": np.full(60, level)}) for n in "ab"]
     warning = (
         f"Input push is {level:g} throughout: how forces depend on it is not determined{more}."
     )
-    assert warnings_of(MODEL, one) == [warning]
+    assert unusual_recording_warnings(MODEL, one) == [warning]
     other = replace(one[1], inputs={"push": np.full(60, 3.0)})
-    assert warnings_of(MODEL, [one[0], other]) == []
+    assert unusual_recording_warnings(MODEL, [one[0], other]) == []
 
 
 @pytest.mark.parametrize("far", [100.0, np.inf, np.nan])
 def test_a_free_run_that_leaves_its_recording_is_named(far):
     seen = np.column_stack([TIMES, np.where(TIMES < 1.0, np.nan, 0.0)])
-    near = Run("a", TIMES, seen + 1.0, seen, {}, {})
-    away = Run("b", TIMES, seen + far, seen, {}, {})
+    near = FreeSimulation("a", TIMES, seen + 1.0, seen, {}, {})
+    away = FreeSimulation("b", TIMES, seen + far, seen, {}, {})
     (sentence,) = runaway_sentences(
         {("baseline", "start"): [near, away], ("extended", "start"): [near]}
     )
@@ -125,7 +125,7 @@ def test_a_free_run_that_leaves_its_recording_is_named(far):
 
 
 def test_a_number_at_its_bound_asks_for_the_units():
-    (sentence,) = at_bound_sentences([Number("M", 1.0, np.nan, "kg", "lower")])
+    (sentence,) = at_bound_sentences([FittedNumber("M", 1.0, np.nan, "kg", "lower")])
     assert "M stands at its lower bound, 1 kg" in sentence
     assert "check the units of the columns" in sentence
 
@@ -161,7 +161,7 @@ def test_the_equation_that_does_not_compile_is_named():
 
 
 def stuck(x: np.ndarray) -> list[str]:
-    return stuck_sentences("position", TIMES_20_HZ, x)
+    return stuck_sensor_warnings("position", TIMES_20_HZ, x)
 
 
 TIMES_20_HZ = 0.05 * np.arange(400)
@@ -194,14 +194,22 @@ def test_quantised_and_resting_motion_is_no_stuck_sensor(x):
 def test_a_warning_that_holds_for_many_trials_names_three_of_them():
     x, push = np.clip(SWING, -0.6, 0.6), {"push": np.cos(TIMES_20_HZ)}
     trials = [Trial(f"r{k}", TIMES_20_HZ, {"position": x + 0.001 * k}, push) for k in range(9)]
-    texts = [w for w in warnings_of(MODEL, trials) if "position stops" in w or "further" in w]
+    texts = [
+        w
+        for w in unusual_recording_warnings(MODEL, trials)
+        if "position stops" in w or "further" in w
+    ]
     assert [w[:3] for w in texts] == ["r0:", "r1:", "r2:", "The"]
     assert texts[-1] == "The same in 6 further trials."
 
 
 def test_times_in_groups_are_a_warning():
     times = np.floor(TIMES / 0.5) * 0.5 + 1e-6 * np.arange(60)
-    (text,) = (w for w in warnings_of(MODEL, [replace(cart_trial(), times=times)]) if "groups" in w)
+    (text,) = (
+        w
+        for w in unusual_recording_warnings(MODEL, [replace(cart_trial(), times=times)])
+        if "groups" in w
+    )
     assert text.startswith("a: times come in groups: most samples are 1e-06 s apart")
 
 

@@ -14,7 +14,7 @@ from bluekoi.cli import main
 from bluekoi.errors import InputError
 from bluekoi.explain import Parameter, Trial, explain, load_model
 from bluekoi.explain.fit_quality import MAX_ERROR_OVER_STATED
-from bluekoi.explain.preparation import prepare, with_correlation_over_a_frame
+from bluekoi.explain.preparation import prepare_cause_search, with_correlation_over_a_frame
 from bluekoi.explain.results_json import verdict_sentence
 from bluekoi.explain.trials import cut_at_gaps
 from bluekoi.fitting import Noise
@@ -69,7 +69,9 @@ def test_a_trial_whose_input_has_the_wrong_sign_is_named():
 
 def test_white_noise_can_grow_from_its_lower_bound():
     """The slope of the scale at its bound is dropped only where it points below the bound."""
-    kernel = prepare(MODEL, cart_trials(duration_s=3.0), (), lambda _: None).problem.kernel
+    kernel = prepare_cause_search(
+        MODEL, cart_trials(duration_s=3.0), (), lambda _: None
+    ).problem.kernel
     noise = Noise(np.full(3, 0.1), np.full(3, 0.5), np.ones(1), least_scale=1.0)
     slopes = NoiseGradient(0.0, np.zeros(3), np.zeros(3), np.array([7.0]))
     assert _log_gradient(kernel, noise, slopes)[-1] == 7.0

@@ -26,7 +26,7 @@ from bluekoi.effects import tail_fin_lift
 from bluekoi.errors import InputError
 from bluekoi.figures import mismatch_dependence
 from bluekoi.figures.drawing import groups
-from bluekoi.figures.drawing.circles import circle, measured_arc
+from bluekoi.figures.drawing.circles import circle_points, measured_arc
 from bluekoi.figures.drawing.figure_data import extract_points
 from bluekoi.figures.drawing.missing_force import (
     force_of_effects,
@@ -34,13 +34,13 @@ from bluekoi.figures.drawing.missing_force import (
     variable_along_trial,
 )
 from bluekoi.figures.drawing.model_sweeps import (
-    fitted_powers,
+    fits_at_tested_powers,
     radii_over_angle,
     turn_radius,
     with_extrapolated_powers,
 )
 from bluekoi.figures.drawing.style import COLOURS, power_styles
-from bluekoi.model import FLAP_HZ, TABLE_1, steady_turn
+from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, steady_speed_and_radius
 from bluekoi.study import Study
 
 
@@ -67,8 +67,8 @@ def test_the_folder_is_the_registry():
 @pytest.mark.parametrize("name", figures.figure_names())
 def test_every_figure_says_what_it_is_and_draws(name, complete_campaign):
     figure = figures.draw(name, complete_campaign)
-    assert figures.title(name)
-    assert len(figures.caption(name)) > 60
+    assert figures.figure_title(name)
+    assert len(figures.figure_caption(name)) > 60
     assert figures.missing_results(name, complete_campaign) == ()
     assert sum(bool(axes.has_data()) for axes in figure.axes) >= 1
 
@@ -166,7 +166,7 @@ def test_arcs_are_turned_to_one_start_and_run_counter_clockwise(complete_campaig
         angle = np.unwrap(np.arctan2(arc[:, 1], arc[:, 0]))
         assert angle[0] == pytest.approx(0)
         assert np.all(np.diff(angle) > 0)
-    assert np.hypot(*circle(0.6).T) == pytest.approx(0.6)
+    assert np.hypot(*circle_points(0.6).T) == pytest.approx(0.6)
 
 
 def test_paths_and_circles_keep_their_shape(complete_campaign):
@@ -208,7 +208,7 @@ def test_units_stand_on_every_axis(complete_campaign):
 
 
 def test_fig5_names_the_difference_of_simulated_and_measured_radius(complete_campaign):
-    row = fitted_powers(complete_campaign)[100.0]
+    row = fits_at_tested_powers(complete_campaign)[100.0]
     model = turn_radius(complete_campaign, row, 0.12, 45)
     seen = exact_radius(100, 45, 0.12)
     assert f"({100 * (model / seen - 1):+.1f} %)" in texts_of_figure(
@@ -221,7 +221,7 @@ def test_coefficients_are_extrapolated_linearly_over_power(complete_campaign):
     assert list(rows) == [50, 75, 100, 125, 150]
     assert [row.tested for row in rows.values()] == [True, True, True, False, False]
     for name, key in (("flap_hz", None), ("C_Md", "C_Md"), ("C_Da", "C_Da")):
-        known = [TABLE_1[p][key] if key else FLAP_HZ[p] for p in (50, 75, 100)]
+        known = [TABLE_1[p][key] if key else PUBLISHED_FLAP_HZ[p] for p in (50, 75, 100)]
         slope = (known[2] - known[0]) / 50  # least squares over three equal steps
         expected = np.mean(known) + slope * (150 - 75)
         found = rows[150].coefficients[key] if key else rows[150].flap_hz
@@ -234,15 +234,15 @@ def test_one_power_is_not_extended():
 
 
 def test_fig6_draws_the_model_that_was_tuned(complete_campaign):
-    expected = steady_turn(
+    expected = steady_speed_and_radius(
         TABLE_1[100],
         setup=complete_campaign.study.setup,
         head_length_m=0.12,
         head_angle_rad=np.radians(30),
-        flap_hz=FLAP_HZ[100],
+        flap_hz=PUBLISHED_FLAP_HZ[100],
     )[1]
     assert radii_over_angle(
-        complete_campaign, fitted_powers(complete_campaign)[100.0], 0.12, [30.0]
+        complete_campaign, fits_at_tested_powers(complete_campaign)[100.0], 0.12, [30.0]
     ).best[0] == pytest.approx(expected)
     panel = figures.draw("fig6", complete_campaign).axes[1]
     curve = next(c for c in panel.lines if len(c.get_xdata()) > 15 and c.get_linestyle() == "-")
@@ -274,7 +274,7 @@ def test_the_force_of_an_effect_includes_the_build_up_of_its_lift(complete_campa
     To 5 %: with this fin the model does not turn like this, and between two steps it is the model
     that moves.
     """
-    fin = {p.name: p.start for p in tail_fin_lift.PARAMETERS}
+    fin = {p.name: p.start for p in tail_fin_lift.EFFECT_PARAMETERS}
     reported = complete_campaign.mismatch_detail["coefficients"]["before"]
     found = reported | {f"tail_fin_lift.{name}": {"value": v} for name, v in fin.items()}
     detail = complete_campaign.mismatch_detail | {"coefficients": {"after": found}}
@@ -330,7 +330,7 @@ def test_files_are_the_same_bytes_every_time_and_carry_their_words(tmp_path, com
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     assert b"CreationDate" not in (tmp_path / "a" / "fig6.pdf").read_bytes()
     with Image.open(tmp_path / "a" / "fig6.png") as image:
-        assert image.text["Title"] == figures.title("fig6")
+        assert image.text["Title"] == figures.figure_title("fig6")
         assert "Comment" not in image.text
     figures.draw_file(
         "mismatch_map", exact_campaign(powers=(75,)), tmp_path / "n.png", tmp_path / "n.pdf"
@@ -485,4 +485,4 @@ def test_candidates_are_shown_with_their_probabilities(complete_campaign):
     assert [(p.y, p.x) for p in found if p.kind == "bar"] == [
         ("linear yaw damping", 0.97), ("stall", 0.02),
     ]  # fmt: skip
-    assert "calibrated" in figures.caption("mismatch_candidates", other)
+    assert "calibrated" in figures.figure_caption("mismatch_candidates", other)

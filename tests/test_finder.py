@@ -12,43 +12,43 @@ import pytest
 
 from bluekoi import smoothing
 from bluekoi.camera import map_keypoints, pool_camera
-from bluekoi.data import Flapping
+from bluekoi.data import FlappingFrequency
 from bluekoi.engine import NamedCause, Priors, candidates_of
-from bluekoi.engine.naming import UNEXPLAINED
+from bluekoi.engine.naming import UNLISTED_FORCE_LABEL
 from bluekoi.errors import InputError
 from bluekoi.files import to_json_types
 from bluekoi.fitting import (
-    Series,
+    TrialSeries,
     added_force,
+    estimate_noise_model,
     filter_all,
-    fit_noise,
-    smooth,
+    rts_smooth,
 )
-from bluekoi.integrate import compiled
-from bluekoi.keypoints.deeplabcut import read
+from bluekoi.integrate import compile_system
+from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial
 from bluekoi.mismatch import (
     MismatchResult,
-    condition_folds,
     find_mismatch,
+    trial_indices_by_fold,
 )
 from bluekoi.mismatch.camera_displacement import detect_displacements, with_displacements
-from bluekoi.mismatch.drift import drifting_trial, fisher_p_value
+from bluekoi.mismatch.drift import fisher_p_value, trial_with_camera_drift
 from bluekoi.mismatch.find import verdict_of
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen_frames, trial_segments
 from bluekoi.mismatch.next_trial import best_next_trial, disagreement_text
 from bluekoi.mismatch.results_json import details_json, mismatch_json
 from bluekoi.mismatch.robot_problem import robot_problem, undetermined_cause_warnings
 from bluekoi.mismatch.sentences import verdict_sentence
-from bluekoi.mismatch.wrong_clock import trials_with_wrong_clock, with_steady_clock
-from bluekoi.model import plates
+from bluekoi.mismatch.wrong_clock import trials_with_wrong_clock, with_constant_clock_error
+from bluekoi.model import two_plate_system
 from bluekoi.pose import rigid_pose
 from bluekoi.stages.clock_factor import CLOCK_STD_SHARE
 from bluekoi.stages.clock_measurement import (
     STATED_FREQUENCY_STD_SHARE,
-    variance_components,
     with_clock_measurement,
+    within_between_group_variances,
 )
-from bluekoi.stages.layout import Layout
+from bluekoi.stages.layout import ResultPaths
 from bluekoi.stages.mismatch import (
     refuse_single_trial,
     with_delay_measurement,
@@ -59,7 +59,7 @@ from bluekoi.stages.motor_measurements import with_frequency_drift, with_lost_ti
 from bluekoi.study import Study
 from bluekoi.study.data_split import held_out_trials
 from bluekoi.tuning import downsampled, fit_all_trials, trial_series
-from bluekoi.tuning.identify import profiles
+from bluekoi.tuning.identify import likelihood_profiles
 from measured_studies import MeasuredStudy, measure_design
 from small_studies import published_model_design
 
@@ -81,7 +81,7 @@ def test_demo_names_the_fin_and_the_damping_hidden_beside_it(
 
 def test_the_verdict_is_the_kind_of_the_first_cause() -> None:
     clock, stall = NamedCause("clock_error", 0.8, {}), NamedCause("stall", 0.99, {})
-    kernel = compiled(plates())
+    kernel = compile_system(two_plate_system())
     assert verdict_of(kernel, [clock, stall], 0.1) == "measurement"
     assert verdict_of(kernel, [stall, clock], 0.1) == "physics"
     assert verdict_of(kernel, [stall, clock], 0.6) == "unexplained"
@@ -116,13 +116,13 @@ def test_force_of_an_addition_is_what_its_law_gives(
 ) -> None:
     """N = -N_r r of a damping switched on, in yaw alone."""
     m, found = demo
-    kernel, few = compiled(plates()), downsampled(m.series)[:4]
+    kernel, few = compile_system(two_plate_system()), downsampled(m.series)[:4]
     off = found.baseline.trial_values(kernel, few)
     on = [v.copy() for v in off]
     for v in on:
         v[kernel.system.slot["linear_yaw_damping.N_r"]] = 0.02
     noise = found.baseline.noise
-    rates = [smooth(f)[0][:, 5] for f in filter_all(kernel, few, on, noise)]
+    rates = [rts_smooth(f)[0][:, 5] for f in filter_all(kernel, few, on, noise)]
     for force, r in zip(added_force(kernel, few, on, off, noise), rates, strict=True):
         assert force[:, 2] == pytest.approx(-0.02 * r, abs=2e-5)
         assert np.abs(force[:, :2]).max() < 2e-4
@@ -185,7 +185,7 @@ def test_displacements_in_several_trials_are_one_camera_s(
 def test_displacements_are_found_where_and_when_they_are(
     published_model_study: MeasuredStudy,
 ) -> None:
-    kernel, few = compiled(plates()), downsampled(published_model_study.series)
+    kernel, few = compile_system(two_plate_system()), downsampled(published_model_study.series)
     few[2] = _displaced_pose(few[2], np.array([-0.005, 0.006]))
     tuned = fit_all_trials(few)
     found = detect_displacements(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
@@ -208,20 +208,22 @@ def test_keypoints_that_drift_in_one_trial_are_reported(
     published_model_study: MeasuredStudy,
 ) -> None:
     """By 8 cm, as 40 px would: the verdict alone is clean, or names a wrong cause."""
-    kernel, few = compiled(plates()), downsampled(published_model_study.series)
+    kernel, few = compile_system(two_plate_system()), downsampled(published_model_study.series)
     tuned = fit_all_trials(few)
-    assert drifting_trial(kernel, few, tuned.trial_values(kernel, few), tuned.noise) is None
+    assert (
+        trial_with_camera_drift(kernel, few, tuned.trial_values(kernel, few), tuned.noise) is None
+    )
     since = few[3].times - few[3].times[0]
     seen = few[3].seen.copy()
     seen[:, :2] += np.outer(since / since[-1], [0.05, -0.06])
     few[3] = replace(few[3], seen=seen)
     tuned = fit_all_trials(few)
-    drift = drifting_trial(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
+    drift = trial_with_camera_drift(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
     assert drift is not None
     assert drift.trial == few[3].name
     assert np.all(np.abs(drift.size_m - [0.05, -0.06]) < 4 * drift.std_m + 0.02)
     assert "stabilised" in drift.sentence
-    assert drifting_trial(kernel, few[:2], [tuned.base] * 2, tuned.noise) is None
+    assert trial_with_camera_drift(kernel, few[:2], [tuned.base] * 2, tuned.noise) is None
 
 
 def test_the_largest_of_many_exponential_ratios_is_tested_by_its_share() -> None:
@@ -233,13 +235,13 @@ def test_the_largest_of_many_exponential_ratios_is_tested_by_its_share() -> None
     assert rate == pytest.approx(0.05, abs=0.012)
 
 
-def _search_result(m: MeasuredStudy, series: list[Series]) -> dict[str, Any]:
+def _search_result(m: MeasuredStudy, series: list[TrialSeries]) -> dict[str, Any]:
     """mismatch.json of a study's trials as they are in `series`."""
     found = find_mismatch(m.study, series, m.steady, progress=lambda _: None)
     return to_json_types(mismatch_json(found, m.study, series))
 
 
-def _displaced_pose(one: Series, by: np.ndarray) -> Series:
+def _displaced_pose(one: TrialSeries, by: np.ndarray) -> TrialSeries:
     seen = one.seen.copy()
     seen[len(seen) // 2 :, :2] += by
     return replace(one, seen=seen)
@@ -249,7 +251,7 @@ def test_a_lag_begins_each_stretch_where_the_filter_had_it(
     demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
     m, found = demo
-    kernel, base = compiled(plates()), found.baseline.base.copy()
+    kernel, base = compile_system(two_plate_system()), found.baseline.base.copy()
     base[kernel.system.slot["lift_lag.lagging_share"]] = 0.8
     lagging = replace(found.baseline, base=base)
     turning = next(s for s, t in zip(m.series, m.study.trials, strict=True) if t.head_angle_deg)
@@ -271,7 +273,7 @@ def test_held_out_trials_follow_the_roles_of_a_study(
 
 def test_folds_never_part_a_condition(demo: tuple[MeasuredStudy, MismatchResult]) -> None:
     m, _ = demo
-    parts = condition_folds(m.series)
+    parts = trial_indices_by_fold(m.series)
     where = {c: {k for k, part in enumerate(parts) for i in part if m.series[i].condition == c}
              for c in {s.condition for s in m.series}}  # fmt: skip
     assert sum(len(p) for p in parts) == len(m.series)
@@ -303,7 +305,7 @@ def test_only_placed_keypoints_are_seen_from_the_nose(
 ) -> None:
     """Where lengths were placed, the nose is what was seen; files and dots were measured."""
     m, _ = demo
-    slots, layout = plates().constants, Layout(tmp_path)
+    slots, layout = two_plate_system().constants, ResultPaths(tmp_path)
     filmed = m.study.model_copy(update={"trials": tuple(
         t.model_copy(update={"source": f"v/{t.trial_id}.mp4"}) for t in m.study.trials
     )})  # fmt: skip
@@ -327,7 +329,7 @@ def test_profiles_of_a_model_that_lacks_something_have_their_top_at_the_fit(
 ) -> None:
     m, found = demo
     few = [s for s in downsampled(m.series) if s.name not in found.held_out]
-    drawn = profiles(few, found.baseline)
+    drawn = likelihood_profiles(few, found.baseline)
     for profile, best in zip(drawn, found.baseline.fit.values, strict=True):
         assert np.all(profile.lost > -0.05)
         assert np.all(np.diff(profile.lost[profile.values < best]) < 0)
@@ -350,15 +352,18 @@ def test_every_candidate_and_an_unlisted_force_may_be_a_rival(
 ) -> None:
     """Of middling probability, beside the named causes or in the place of one of them."""
     m, found = demo
-    names = [e.name for e in plates().effects if e.kind in ("physics", "measurement")]
+    names = [e.name for e in two_plate_system().effects if e.kind in ("physics", "measurement")]
     some = replace(found.posterior, inclusion=dict.fromkeys([*names, "residual.surge_u"], 0.3))
     beside = replace(found, named=[], posterior=some, unexplained=0.3)
-    place = replace(beside, named=[NamedCause("stall", 0.6, {"lift_lag": 0.2, UNEXPLAINED: 0.2})],
-                    gains={"stall": 1.0})  # fmt: skip
+    place = replace(
+        beside,
+        named=[NamedCause("stall", 0.6, {"lift_lag": 0.2, UNLISTED_FORCE_LABEL: 0.2})],
+        gains={"stall": 1.0},
+    )
     for one, unlisted in ((beside, []), (place, ["stall"])):
         rows = mismatch_json(one, m.study, m.series)["rivals"]
         assert {r["name"] for r in rows} >= {*names} - {"stall"}
-        assert [r["in_place_of"] for r in rows if r["name"] == UNEXPLAINED] == unlisted
+        assert [r["in_place_of"] for r in rows if r["name"] == UNLISTED_FORCE_LABEL] == unlisted
         assert all(r["how_to_tell_apart"] for r in rows)
 
 
@@ -372,7 +377,7 @@ def test_nothing_is_said_where_nothing_is_determined(
     assert "No mismatch beyond the noise" in verdict_sentence(replace(found, verdict="none"), [])
 
 
-def _late_recording(one: Series, frames: int, rng: np.random.Generator) -> Series:
+def _late_recording(one: TrialSeries, frames: int, rng: np.random.Generator) -> TrialSeries:
     """A trial whose film began so many frames before the robot did."""
     still = np.repeat(one.seen[:1], frames, axis=0)
     still += rng.normal(size=still.shape) * np.sqrt(np.einsum("nii->ni", one.noise[:frames]))
@@ -396,20 +401,24 @@ def test_noise_is_left_where_the_filter_runs_away(
     demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
     m, found = demo
-    kernel, few, baseline = compiled(plates()), downsampled(m.series)[:3], found.baseline
+    kernel, few, baseline = (
+        compile_system(two_plate_system()),
+        downsampled(m.series)[:3],
+        found.baseline,
+    )
     wild = [v.copy() for v in baseline.trial_values(kernel, few)]
     for v in wild:
         v[kernel.system.slot["tail_fin_lift.lift_area"]] = 5.0
     assert not all(np.isfinite(f.log_likelihood)
                    for f in filter_all(kernel, few, wild, baseline.noise))  # fmt: skip
-    assert fit_noise(kernel, few, wild, baseline.noise).noise is baseline.noise
+    assert estimate_noise_model(kernel, few, wild, baseline.noise).noise is baseline.noise
 
 
 def test_a_trial_in_which_a_model_runs_away_is_not_proposed(
     demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
     m, found = demo
-    kernel = compiled(plates())
+    kernel = compile_system(two_plate_system())
     fitted = found.baseline.trial_values(kernel, downsampled(m.series)[:1])[0]
     wild = fitted.copy()
     wild[kernel.system.slot["tail_fin_lift.lift_area"]] = 5.0
@@ -421,14 +430,16 @@ def test_a_trial_in_which_a_model_runs_away_is_not_proposed(
 
 def clock_series(
     ratios: list[float], source: str = "motor_log", stated: list[float] | None = None
-) -> tuple[list[Series], dict[str, Flapping]]:
+) -> tuple[list[TrialSeries], dict[str, FlappingFrequency]]:
     """Trials, three at each power, whose tail beats by other shares in the video than logged."""
-    none, constants = np.zeros(1), np.ones(len(plates().constants))
-    series = [Series(f"T{i}", f"{50 + i // 3} %", "", none, none, constants, none, none, none, none)
-              for i in range(len(ratios))]  # fmt: skip
+    none, constants = np.zeros(1), np.ones(len(two_plate_system().constants))
+    series = [
+        TrialSeries(f"T{i}", f"{50 + i // 3} %", "", none, none, constants, none, none, none, none)
+        for i in range(len(ratios))
+    ]
     hz = stated or [4.0] * len(ratios)
     beats = {
-        s.name: Flapping(f, 0.0, source, video_hz=f * (1 + k), video_hz_std=0.0)
+        s.name: FlappingFrequency(f, 0.0, source, video_hz=f * (1 + k), video_hz_std=0.0)
         for s, k, f in zip(series, ratios, hz, strict=True)
     }
     return series, beats
@@ -476,8 +487,8 @@ def test_a_wrong_clock_in_some_trials_is_measured_in_these_alone() -> None:
     assert [s.evidence.get("clock_ratio", (np.nan,))[0] for s in found] == pytest.approx(
         [-0.05, np.nan, np.nan] * 3, nan_ok=True
     )
-    place = plates().constants.index("clock_part")
-    clock = plates().effect("clock_error").hooks["clock"]
+    place = two_plate_system().constants.index("clock_part")
+    clock = two_plate_system().effect("clock_error").hooks["true_time_rate"]
     assert [clock(2.0, s.constants[place], -0.05, 0.0)[0] for s in found] == [-0.05, 0, 0] * 3
 
 
@@ -493,28 +504,28 @@ def test_no_part_of_the_trials_stands_apart(off: list[float]) -> None:
 def test_variances_within_and_between_groups_are_told_apart() -> None:
     rng, groups = np.random.default_rng(4), [f"G{i // 20}" for i in range(1200)]
     values = np.repeat(0.03 * rng.normal(size=60), 20) + 0.05 * rng.normal(size=1200)
-    within, between = variance_components(values, np.full(1200, 0.03**2), groups)
+    within, between = within_between_group_variances(values, np.full(1200, 0.03**2), groups)
     assert np.sqrt(within) == pytest.approx(0.04, rel=0.1)
     assert np.sqrt(between) == pytest.approx(0.03, rel=0.3)
 
 
-def bare_series(count: int) -> list[Series]:
+def bare_series(count: int) -> list[TrialSeries]:
     """Trials of two powers without observations."""
     none = np.zeros(1)
-    return [Series(f"T{i}", f"P{i % 2}", "", none, none, none, none, none, none, none)
+    return [TrialSeries(f"T{i}", f"P{i % 2}", "", none, none, none, none, none, none, none)
             for i in range(count)]  # fmt: skip
 
 
 def test_the_time_lost_by_motor_logs_is_one_measurement_shared_by_the_trials() -> None:
     """Lost times of 70 and 90 ms, as a formula describes a motor to 20 %; nothing without logs."""
     series = bare_series(8)
-    beats = {s.name: Flapping(4.0, 0.0, "motor_log", lost_time_s=0.07 + 0.02 * (i % 2))
+    beats = {s.name: FlappingFrequency(4.0, 0.0, "motor_log", lost_time_s=0.07 + 0.02 * (i % 2))
              for i, s in enumerate(series)}  # fmt: skip
     shown = with_lost_time(series, beats, fitted=8)
     value, std = np.array([s.evidence["lost_time"] for s in shown]).T
     assert value == pytest.approx(0.08)
     assert np.sum(std**-2.0) ** -0.5 == pytest.approx(np.hypot(0.2 * 0.08, 0.005), rel=0.05)
-    without = {s.name: Flapping(4.0, 0.0, "flap_hz") for s in series}
+    without = {s.name: FlappingFrequency(4.0, 0.0, "flap_hz") for s in series}
     assert with_lost_time(series, without, fitted=8) == series
 
 
@@ -528,23 +539,23 @@ def test_the_drift_of_the_flapping_frequency_is_measured_in_each_trial(
     wrong clock drifts in the video alone."""
     series = bare_series(8)
     drift = np.tile([-0.01, -0.02], 4)
-    beats = {s.name: Flapping(4.0, 0.0, source, drift_per_s=d, drift_std_per_s=1e-4)
+    beats = {s.name: FlappingFrequency(4.0, 0.0, source, drift_per_s=d, drift_std_per_s=1e-4)
              for s, d in zip(series, drift, strict=True)}  # fmt: skip
     shown = with_frequency_drift(series, beats, fitted=8)
     value, std = np.array([s.evidence[name] for s in shown]).T
     assert value == pytest.approx(drift)
     assert std / 8**0.5 == pytest.approx(0.2 * abs(drift), rel=0.05)
-    assert (name in plates().effect("clock_error").evidence) == (source != "motor_log")
-    unknown = {s.name: Flapping(4.0, 0.0, source) for s in series}
+    assert (name in two_plate_system().effect("clock_error").evidence) == (source != "motor_log")
+    unknown = {s.name: FlappingFrequency(4.0, 0.0, source) for s in series}
     assert with_frequency_drift(series, unknown, fitted=8) == series
 
 
 def test_a_clock_drifts_only_where_a_motor_log_is_compared_with_it() -> None:
     """Without one, a tail beat that drifts is the motor's."""
-    candidates = candidates_of(plates(), ["clock_error", "battery_sag"], Priors())
+    candidates = candidates_of(two_plate_system(), ["clock_error", "battery_sag"], Priors())
     for source, has_drift in (("motor_log", True), ("flap_hz", False)):
         measured = with_clock_measurement(*clock_series([-0.02] * 9, source))
-        clock, sag = with_steady_clock(candidates, measured)
+        clock, sag = with_constant_clock_error(candidates, measured)
         assert ("clock_error.drift" in {f.name for f in clock.forms}) == has_drift
         assert sag in candidates
 
@@ -563,14 +574,14 @@ def test_a_recording_that_starts_before_the_motor_is_fitted_from_the_motors_star
     published_model_study: MeasuredStudy,
 ) -> None:
     one = published_model_study.study.trials[0]
-    found = read(published_model_study.study.paths(one)[0], one, {})
+    found = read_keypoints_of_trial(published_model_study.study.paths(one)[0], one, {})
     setup = published_model_study.study.setup
     positions = map_keypoints(pool_camera(setup), found, setup.robot.keypoint_depth_m)
     pose = rigid_pose(positions, setup.robot, one.head_length_m)
     late = replace(published_model_study.flapping[one.trial_id], start_s=0.5)
-    series = trial_series(one, setup, pose, smoothing.smooth(pose, late.flap_hz), late)
+    series = trial_series(one, setup, pose, smoothing.smooth_pose(pose, late.flap_hz), late)
     assert series.times[0] == pytest.approx(0.5, abs=0.05)
-    assert series.constants[plates().constants.index("t_start")] == 0.5
+    assert series.constants[two_plate_system().constants.index("t_start")] == 0.5
 
 
 @pytest.mark.long
@@ -615,7 +626,9 @@ def test_a_frame_that_was_hardly_seen_is_no_error_of_the_path(
     assert np.flatnonzero(seen & ~precisely_seen_frames([unsure])[0]).tolist() == [40]
     models = {"extended": found.extended}
     clean, off, stated = (
-        path_errors(m.study, compiled(plates()), models, [one, *test[1:]]).rmse_m["extended"]
+        path_errors(m.study, compile_system(two_plate_system()), models, [one, *test[1:]]).rmse_m[
+            "extended"
+        ]
         for one in (test[0], replace(unsure, noise=test[0].noise), unsure)
     )
     assert off > 1.05 * clean
@@ -632,10 +645,15 @@ def test_turns_to_one_side_cannot_name_a_difference_between_the_sides(
     one_side = [s for s in m.series if np.median(s.inputs[:, 0]) > -0.02]
     assert 2 <= len(one_side) < len(m.series)
     for series, judged in ((one_side, False), (m.series, True)):
-        problem = robot_problem(compiled(plates()), series, found.baseline, displaced=(),
-                                progress=lambda _: None)  # fmt: skip
+        problem = robot_problem(
+            compile_system(two_plate_system()),
+            series,
+            found.baseline,
+            displaced=(),
+            progress=lambda _: None,
+        )
         assert ("port_starboard_asymmetry" in problem.by_name) is judged
-        texts = undetermined_cause_warnings(compiled(plates()).system, series)
+        texts = undetermined_cause_warnings(compile_system(two_plate_system()).system, series)
         assert [t.split()[0] for t in texts] == ["port_starboard_asymmetry"] * (not judged)
 
 
@@ -645,7 +663,7 @@ def test_a_study_of_one_usable_trial_is_refused_with_what_to_do(tmp_path: Path) 
         refuse_single_trial(tmp_path, 1)
 
 
-def first_seen_position(series: Series) -> np.ndarray:
+def first_seen_position(series: TrialSeries) -> np.ndarray:
     """Where the keypoint was seen first (2,)."""
     return series.seen[np.isfinite(series.seen[:, 0])][0, :2]
 
@@ -656,9 +674,15 @@ def test_a_homography_may_shrink_positions_by_what_the_uncorrected_depth_costs(
     """Keypoints 4 cm deep, camera at 1.5 m: 2 % nearer the middle; nothing with a matrix."""
     m, found = demo
     problems = [
-        robot_problem(compiled(plates()), m.series[:2], found.baseline, displaced=(),
-                      by_homography=plane, progress=lambda _: None)
+        robot_problem(
+            compile_system(two_plate_system()),
+            m.series[:2],
+            found.baseline,
+            displaced=(),
+            by_homography=plane,
+            progress=lambda _: None,
+        )
         for plane in (True, False)
-    ]  # fmt: skip
+    ]
     allowed = [p.tolerances.get("scale_error.length_error") for p in problems]
     assert allowed == [pytest.approx(0.04 / (1.333 * 1.5), rel=0.05), None]

@@ -11,32 +11,32 @@ from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
 from bluekoi.fitting import (
-    Free,
+    FreeParameter,
     Noise,
-    Normal,
-    Series,
+    NormalEquationsByTrial,
     TrialEffect,
+    TrialSeries,
     block_averaged,
+    estimate_noise_model,
     filter_all,
     filter_series,
-    fit,
-    fit_noise,
-    normal_equations,
+    fit_parameters_jointly,
+    trial_normal_equations,
 )
 from bluekoi.fitting.bounded_step import bounded_step
 from bluekoi.fitting.gram import set_whitened_products
 from bluekoi.fitting.linear import linearised, log_likelihood, log_likelihood_gradient
 from bluekoi.fitting.trial_effects import drawn_trial_effects
-from bluekoi.integrate import compiled
+from bluekoi.integrate import compile_system
 from mass_model import SYSTEM
 
 STEP_S = 0.05
 WHITE_STD = 0.004
 
 
-def make_series(seen: np.ndarray, step_s: float = STEP_S) -> Series:
+def make_series(seen: np.ndarray, step_s: float = STEP_S) -> TrialSeries:
     n = len(seen)
-    return Series(
+    return TrialSeries(
         name="T", group="g", condition="c", times=step_s * np.arange(n), inputs=np.zeros((n, 1)),
         constants=np.zeros(0), seen=seen[:, None], noise=np.full((n, 1, 1), WHITE_STD**2),
         mean=np.zeros(4), cov=np.diag([0.01**2, 0.02**2, 0.0, 0.0]),
@@ -51,7 +51,7 @@ def first_order_covariance(sigma: float, tau: float, times: np.ndarray) -> np.nd
 @pytest.mark.parametrize("step_s", [0.02, 0.1, 0.3])
 def test_lasting_errors_have_the_exact_likelihood(step_s: float) -> None:
     rng = np.random.default_rng(1)
-    kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.0})
+    kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.0})
     times = step_s * np.arange(40)
     noise = Noise(np.array([0.0, 0.01]), np.array([0.3, 0.2]), np.ones(1))
     cov = first_order_covariance(0.01, 0.2, times) + WHITE_STD**2 * np.eye(40)
@@ -64,7 +64,7 @@ def test_lasting_errors_have_the_exact_likelihood(step_s: float) -> None:
 
 def test_whitened_errors_are_white() -> None:
     rng = np.random.default_rng(2)
-    kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.0})
+    kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.0})
     noise = Noise(np.array([0.0, 0.01]), np.array([0.3, 0.2]), np.ones(1))
     n = 4000
     root = np.linalg.cholesky(first_order_covariance(0.01, 0.2, STEP_S * np.arange(n)))
@@ -76,11 +76,11 @@ def test_whitened_errors_are_white() -> None:
 
 def test_fit_noise_finds_force_error_and_white_noise() -> None:
     rng = np.random.default_rng(3)
-    kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.5})
+    kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.5})
     n, true = 400, Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
     trials = [make_series(_randomly_pushed(rng, n, true)) for _ in range(12)]
     first = Noise(np.array([0.15, 0.004]), np.array([0.5, 0.3]), np.full(1, 2.0))
-    found = fit_noise(kernel, trials, [values] * 12, first, rounds=20).noise
+    found = estimate_noise_model(kernel, trials, [values] * 12, first, rounds=20).noise
 
     def likelihood(noise: Noise) -> float:
         return sum(filter_series(kernel, t, values, noise).log_likelihood for t in trials)
@@ -95,7 +95,7 @@ def test_fit_noise_finds_force_error_and_white_noise() -> None:
 def test_likelihood_around_a_path_is_that_of_a_new_pass() -> None:
     """The one-mass model is linear, so both agree but for steps of integration."""
     rng = np.random.default_rng(4)
-    kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.5})
+    kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.5})
     path = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
     trials = [make_series(_randomly_pushed(rng, 100, path)) for _ in range(3)]
     trials[1].seen[20:30] = np.nan
@@ -115,7 +115,7 @@ def test_likelihood_around_a_path_is_that_of_a_new_pass() -> None:
 
 def test_slopes_of_the_likelihood_are_its_differences() -> None:
     rng = np.random.default_rng(14)
-    kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.5})
+    kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.5})
     path = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
     trials = [make_series(_randomly_pushed(rng, n, path)) for n in (60, 100, 80)]
     trials[1].seen[20:30] = np.nan
@@ -159,10 +159,12 @@ def test_what_is_plausible_beforehand_counts_once_for_all_trials() -> None:
     """Where no data bear on a number, a fit leaves it at its start with the stated spread."""
     known = replace(SYSTEM.coefficients[0], spread=0.2)
     system = replace(SYSTEM, coefficients=(known,))
-    kernel = compiled(system)
+    kernel = compile_system(system)
     unseen = [replace(make_series(np.full(20, np.nan)), name=str(k)) for k in range(5)]
     noise = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
-    found = fit(kernel, unseen, system.values({}), [Free("c")], noise, start={"c": 0.8})
+    found = fit_parameters_jointly(
+        kernel, unseen, system.values({}), [FreeParameter("c")], noise, start={"c": 0.8}
+    )
     assert found.values[0] == pytest.approx(known.start, abs=1e-3 * 0.2)
     assert found.naive_cov[0, 0] == pytest.approx(0.2**2, rel=1e-6)
 
@@ -170,14 +172,16 @@ def test_what_is_plausible_beforehand_counts_once_for_all_trials() -> None:
 def test_a_fit_takes_its_last_step_and_reports_its_gain() -> None:
     rng = np.random.default_rng(5)
     true = Noise(np.array([0.05, 0.0]), np.array([0.5, 0.15]), np.ones(1))
-    kernel = compiled(SYSTEM)
+    kernel = compile_system(SYSTEM)
     trials = [replace(make_series(_randomly_pushed(rng, 200, true)), name=str(k)) for k in range(6)]
-    base, free = SYSTEM.values({}), [Free("c")]
+    base, free = SYSTEM.values({}), [FreeParameter("c")]
     held = filter_all(kernel, trials, [base] * 6, true)
-    exact = fit(kernel, trials, base, free, true, tolerance=1e-6, predictor=held)
+    exact = fit_parameters_jointly(kernel, trials, base, free, true, tolerance=1e-6, predictor=held)
     std = exact.naive_cov[0, 0] ** 0.5
     near = {"c": float(exact.values[0]) + 0.3 * std}
-    rough = fit(kernel, trials, base, free, true, start=near, tolerance=0.5, predictor=held)
+    rough = fit_parameters_jointly(
+        kernel, trials, base, free, true, start=near, tolerance=0.5, predictor=held
+    )
     assert rough.iterations == 1
     assert rough.values[0] == pytest.approx(exact.values[0], abs=0.02 * std)
     assert rough.log_likelihood == pytest.approx(exact.log_likelihood, abs=0.01)
@@ -189,14 +193,15 @@ def test_the_slope_of_the_likelihood_holds_where_trials_differ_widely() -> None:
     rng = np.random.default_rng(6)
     noise = Noise(np.array([0.05, 0.0]), np.array([0.5, 0.15]), np.ones(1),
                   trial_effects=(TrialEffect("c", 0.1),))  # fmt: skip
-    kernel, base = compiled(SYSTEM), SYSTEM.values({})
+    kernel, base = compile_system(SYSTEM), SYSTEM.values({})
     trials = [replace(make_series(_randomly_pushed(rng, 100, noise, drag)), name=str(k))
               for k, drag in enumerate([0.1, 0.3, 0.6, 1.5])]  # fmt: skip
     held = filter_all(kernel, trials, [base] * 4, noise)
 
-    def at(c: float) -> Normal:
-        return normal_equations(kernel, trials, base, [Free("c")], np.array([c]), noise=noise,
-                                predictor=held)  # fmt: skip
+    def at(c: float) -> NormalEquationsByTrial:
+        return trial_normal_equations(
+            kernel, trials, base, [FreeParameter("c")], np.array([c]), noise=noise, predictor=held
+        )
 
     difference = at(0.501).log_likelihood - at(0.499).log_likelihood
     found = at(0.5)

@@ -13,7 +13,7 @@ from bluekoi.footage import frames, open_recording
 from bluekoi.footage.image_recording import picture_numbers
 from bluekoi.preparation.input_check import file_findings
 from bluekoi.stages.freshness import file_states
-from bluekoi.study import Setup, Study, missing_files
+from bluekoi.study import Study, StudySettings, missing_files
 from bluekoi.study.image_files import expand_source
 
 HEADER = "trial_id,source,power_pct,head_angle_deg,head_length_m,fps\n"
@@ -104,12 +104,12 @@ def test_two_trials_of_the_same_pictures_are_reported_once(folder):
     assert "frame_1.png, whole, as trial A has it" in found.found
 
 
-def small_setup() -> Setup:
+def small_setup() -> StudySettings:
     robot = {"mass_kg": 0.6, "yaw_inertia_kg_m2": 0.01, "body_length_m": 0.33,
              "tail_length_m": 0.06, "head_length_m": 0.12, "head_span_m": 0.07,
              "hinge_to_com_m": 0.04}  # fmt: skip
     corners = [[10, 50], [70, 50], [70, 10], [10, 10]]
-    return Setup.model_validate({"robot": robot, "camera": {"pool_corners_px": corners}})
+    return StudySettings.model_validate({"robot": robot, "camera": {"pool_corners_px": corners}})
 
 
 def trials_of_folder(folder):

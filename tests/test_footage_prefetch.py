@@ -10,7 +10,7 @@ import pytest
 from test_footage import STEADY_TIMES, write_video
 
 from bluekoi.footage import frames, open_recording
-from bluekoi.footage.frame_reading import Film
+from bluekoi.footage.frame_reading import FrameSource
 from bluekoi.footage.prefetch import MIN_BUFFERED_ITEMS, Prefetcher
 from bluekoi.footage.recording import Recording
 
@@ -91,8 +91,8 @@ def test_a_film_read_ahead_is_the_film(tmp_path):
 )
 def test_as_many_are_made_ahead_as_their_memory_allows(monkeypatch, size_px, room):
     source = CountingSource(1000)
-    monkeypatch.setattr(Film, "__iter__", lambda film: source)
+    monkeypatch.setattr(FrameSource, "__iter__", lambda film: source)
     recording = Recording((), size_px, "h264", 1000, 1000, 30.0, (0.0,))
-    with Film(recording).prefetched():
+    with FrameSource(recording).prefetched():
         time.sleep(0.1)
         assert room <= source.given <= room + 1

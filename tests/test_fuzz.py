@@ -27,7 +27,7 @@ from hypothesis import strategies as st
 
 from bluekoi.errors import InputError
 from bluekoi.footage import encode_h264, frames, open_recording
-from bluekoi.keypoints.deeplabcut import read
+from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial
 from bluekoi.motor import flapping_from_log
 from bluekoi.report.numbers import readable_name
 from bluekoi.stages.keypoints import keypoints
@@ -152,7 +152,7 @@ def test_deeplabcut_csv(data, study, folder):
     whole = "\n".join((study / "keypoints/T09.csv").read_text().splitlines()[:20])
     path = folder / "dlc.csv"
     path.write_bytes(data.draw(corrupted_table(whole) | corrupted_bytes(whole.encode())))
-    said = value_or_error_text(lambda: read(path, trial("dlc.csv"), {}))
+    said = value_or_error_text(lambda: read_keypoints_of_trial(path, trial("dlc.csv"), {}))
     assert not said or path.name in said
 
 
@@ -181,14 +181,14 @@ def h5_bytes(folder: Path) -> bytes:
 def test_deeplabcut_h5(data, folder):
     path = folder / "dlc.h5"
     path.write_bytes(data.draw(corrupted_bytes(h5_bytes(folder))))
-    said = value_or_error_text(lambda: read(path, trial("dlc.h5"), {}))
+    said = value_or_error_text(lambda: read_keypoints_of_trial(path, trial("dlc.h5"), {}))
     assert not said or path.name in said
 
 
 def test_the_h5_that_is_spoilt_is_sound_to_begin_with(folder):
     path = folder / "sound.h5"
     path.write_bytes(h5_bytes(folder))
-    assert len(read(path, trial("sound.h5"), {}).time_s) == 12
+    assert len(read_keypoints_of_trial(path, trial("sound.h5"), {}).time_s) == 12
 
 
 @checked

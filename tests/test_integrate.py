@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bluekoi.integrate import LANES, System, compiled
-from bluekoi.integrate.batch import propagate, threaded_map
-from bluekoi.integrate.branchless import exponential, power
+from bluekoi.integrate import LANES, System, compile_system
+from bluekoi.integrate.batch import simulate_batch, threaded_map
+from bluekoi.integrate.branchless import branchless_power, exponential
 from bluekoi.integrate.inlining import InlinedCode, inlined
 from bluekoi.integrate.writing import kernel_source
-from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates
+from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, constants_of_robot_trial, two_plate_system
 from paper_robot import PAPER_SETUP
 from pendulum import PENDULUM
 
@@ -34,8 +34,8 @@ def simulate_first_lane(
     """States (frames, states) of the first of sixteen equal lanes."""
     state = np.zeros((1, len(system.all_states), LANES))
     state[0, : len(start)] = np.array(start)[:, None]
-    _, states = propagate(
-        compiled(system),
+    _, states = simulate_batch(
+        compile_system(system),
         state,
         np.repeat(values[None, :, None], LANES, axis=2),
         np.repeat(fixed[None, :, None], LANES, axis=2),
@@ -76,8 +76,8 @@ def test_a_gap_in_one_trial_takes_small_steps_there_and_changes_no_other() -> No
     late = np.where(TIMES > 4.0, TIMES + 0.5, TIMES)
     state = np.repeat(np.array([[0.4], [0.0]])[None], 2, axis=0) * np.ones(LANES)
     values = np.array([[[0.1], [0.2]]] * 2) * np.ones(LANES)
-    both = propagate(
-        compiled(PENDULUM), state, values, np.full((2, 1, LANES), 9.81),
+    both = simulate_batch(
+        compile_system(PENDULUM), state, values, np.full((2, 1, LANES), 9.81),
         times=np.array([TIMES, late]), inputs=np.array([push, push])[:, :, None],
         keep_states=True,
     )[1]  # fmt: skip
@@ -128,15 +128,15 @@ def turn_commands(power: int) -> tuple[np.ndarray, np.ndarray]:
     """Head angle and flapping frequency over time: a turn to one side, then to the other."""
     inputs = np.column_stack([
         np.radians(40) * np.tanh(2 * (TIMES - 4.0)),
-        FLAP_HZ[power] * (1 - 0.3 * (TIMES > 6.0)),
+        PUBLISHED_FLAP_HZ[power] * (1 - 0.3 * (TIMES > 6.0)),
     ])  # fmt: skip
-    return inputs, constants(PAPER_SETUP, 0.12)
+    return inputs, constants_of_robot_trial(PAPER_SETUP, 0.12)
 
 
 def turning_robot(effects: dict[str, dict[str, float]], start: Sequence[float]) -> np.ndarray:
     inputs, fixed = turn_commands(75)
-    values = plates().values(TABLE_1[75], effects)
-    return simulate_first_lane(plates(), values, inputs, fixed, start=start)
+    values = two_plate_system().values(TABLE_1[75], effects)
+    return simulate_first_lane(two_plate_system(), values, inputs, fixed, start=start)
 
 
 EFFECT_OF_NO_SIZE = {"tail_fin_lift": {"lift_area": 1e-300}}
@@ -154,8 +154,8 @@ def test_the_general_way_gives_what_the_way_with_random_forces_gives() -> None:
     pushed = (0.3, 0.4, 0.2, 0.1, 0.0, 0.0, 5e-3, -4e-3, 3e-4)
     random = {"disturbance": {"present": 1.0, "tau_surge": 0.7, "tau_sway": 0.7, "tau_yaw": 0.7}}
     fast, general = turning_robot(random, pushed), turning_robot(random | EFFECT_OF_NO_SIZE, pushed)
-    absent = plates().effect("tail_fin_lift").states  # followed by the general way alone
-    both = [i for i, state in enumerate(plates().all_states) if state not in absent]
+    absent = two_plate_system().effect("tail_fin_lift").states  # followed by the general way alone
+    both = [i for i, state in enumerate(two_plate_system().all_states) if state not in absent]
     assert general[:, both] == pytest.approx(fast[:, both], abs=1e-11)
     still = turning_robot({}, pushed[:6])
     assert np.abs(fast[-1, :6] - still[-1, :6]).max() > 1e-3
@@ -164,13 +164,13 @@ def test_the_general_way_gives_what_the_way_with_random_forces_gives() -> None:
 
 def test_effects_that_change_the_command_reach_what_is_held() -> None:
     """A head that is set off by 5 degrees turns like one that was commanded so."""
-    fixed, values = constants(PAPER_SETUP, 0.12), TABLE_1[75]
+    fixed, values = constants_of_robot_trial(PAPER_SETUP, 0.12), TABLE_1[75]
     inputs = np.tile([math.radians(30), 4.02], (241, 1))
-    off = plates().values(values, {"head_angle_offset": {"offset": math.radians(5)}})
-    set_off = simulate_first_lane(plates(), off, inputs, fixed, start=[0.0] * 6)
+    off = two_plate_system().values(values, {"head_angle_offset": {"offset": math.radians(5)}})
+    set_off = simulate_first_lane(two_plate_system(), off, inputs, fixed, start=[0.0] * 6)
     inputs[:, 0] += math.radians(5)
     reported = simulate_first_lane(
-        plates(), plates().values(values), inputs, fixed, start=[0.0] * 6
+        two_plate_system(), two_plate_system().values(values), inputs, fixed, start=[0.0] * 6
     )
     assert set_off[:, :6] == pytest.approx(reported[:, :6], abs=1e-10)
 
@@ -178,10 +178,10 @@ def test_effects_that_change_the_command_reach_what_is_held() -> None:
 def test_accuracy_over_eight_seconds_of_a_schedule() -> None:
     """Below 0.1 mm and 0.05 degrees at 1/60 s, against the same at 1/1920 s."""
     inputs, fixed = turn_commands(100)
-    values = plates().values(TABLE_1[100])
+    values = two_plate_system().values(TABLE_1[100])
     start = (0.3, 0.4, 0.2, 0.0, 0.0, 0.0)
     coarse, fine = (
-        simulate_first_lane(plates(), values, inputs, fixed, start=start, step_s=s)
+        simulate_first_lane(two_plate_system(), values, inputs, fixed, start=start, step_s=s)
         for s in (1 / 60, 1 / 1920)
     )
     assert np.hypot(*(coarse - fine)[:, :2].T).max() < 1e-4
@@ -262,5 +262,5 @@ def test_exponential_and_power_without_branches_are_as_exact_as_stated() -> None
     assert off[1] < 3e-6
     assert exponential(-1e9) == exponential(-60.0)
     raised = [(float(x), 10.0 / max(abs(math.log(x)), 2.0)) for x in np.geomspace(1e-11, 1e5, 400)]
-    assert max(abs(power(x, p) / x**p - 1) for x, p in raised) < 1e-10
-    assert max(abs(power(x, -p) * x**p - 1) for x, p in raised) < 1e-10
+    assert max(abs(branchless_power(x, p) / x**p - 1) for x, p in raised) < 1e-10
+    assert max(abs(branchless_power(x, -p) * x**p - 1) for x, p in raised) < 1e-10

@@ -7,14 +7,16 @@ import numpy as np
 import pytest
 
 from bluekoi.keypoints.outline.absence import absence_reason
-from bluekoi.keypoints.outline.plane import Plane
+from bluekoi.keypoints.outline.plane import SwimmingPlaneMap
 
 CORNERS = np.array([[10.0, 290.0], [390.0, 290.0], [390.0, 10.0], [10.0, 10.0]])
 
 
-def make_plane(px_per_bl: float) -> Plane:
+def make_plane(px_per_bl: float) -> SwimmingPlaneMap:
     nothing = np.zeros((2, 2, 2))
-    return Plane(nothing, nothing, np.zeros((2, 2)), np.zeros((2, 2)), CORNERS, px_per_bl)
+    return SwimmingPlaneMap(
+        nothing, nothing, np.zeros((2, 2)), np.zeros((2, 2)), CORNERS, px_per_bl
+    )
 
 
 def pictures_of_bodies(bodies: int, contrast: int = 80, half_px: tuple[int, int] = (40, 7)):

@@ -7,20 +7,24 @@ import numpy as np
 import pytest
 
 from bluekoi.data import Frame
-from bluekoi.keypoints.outline.camera_motion import camera_remarks, common_motion, corner_shifts
-from bluekoi.keypoints.outline.plane import Plane, swimming_plane
-from bluekoi.study import Setup
+from bluekoi.keypoints.outline.camera_motion import (
+    camera_remarks,
+    corner_shifts,
+    corner_shifts_of_camera_motion,
+)
+from bluekoi.keypoints.outline.plane import SwimmingPlaneMap, swimming_plane
+from bluekoi.study import StudySettings
 
 CORNERS = ((60.0, 420.0), (580.0, 420.0), (580.0, 100.0), (60.0, 100.0))
 
 
-def make_plane() -> Plane:
+def make_plane() -> SwimmingPlaneMap:
     """A pool of 2.6 x 1.6 m seen straight from above at 200 px per m."""
     robot = {
         "mass_kg": 1, "yaw_inertia_kg_m2": 0.005, "body_length_m": 0.3, "head_length_m": 0.12,
         "head_span_m": 0.07, "hinge_to_com_m": 0.04, "tail_length_m": 0.06,
     }  # fmt: skip
-    return swimming_plane(Setup(robot=robot, camera={"pool_corners_px": CORNERS}))
+    return swimming_plane(StudySettings(robot=robot, camera={"pool_corners_px": CORNERS}))
 
 
 def pool_picture(move: np.ndarray | None = None) -> np.ndarray:
@@ -82,10 +86,12 @@ def test_corners_that_do_not_agree_give_no_motion():
     corners = np.array(CORNERS)
     moved = np.zeros((2, 4, 2))
     moved[1] = [[5.0, 0.0], [-4.0, 3.0], [0.0, -6.0], [0.0, 0.0]]
-    assert np.isnan(common_motion(moved, corners)[1]).all()
+    assert np.isnan(corner_shifts_of_camera_motion(moved, corners)[1]).all()
     moved[1] = [2.0, 1.0]
-    np.testing.assert_allclose(common_motion(moved, corners)[1], moved[1], atol=1e-9)
+    np.testing.assert_allclose(
+        corner_shifts_of_camera_motion(moved, corners)[1], moved[1], atol=1e-9
+    )
     moved[1, 2:] = np.nan
     np.testing.assert_allclose(
-        common_motion(moved, corners)[1], np.tile([2.0, 1.0], (4, 1)), atol=1e-9
+        corner_shifts_of_camera_motion(moved, corners)[1], np.tile([2.0, 1.0], (4, 1)), atol=1e-9
     )

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from bluekoi.data import PARTS, Keypoints, is_confident
+from bluekoi.data import BODY_PART_NAMES, Keypoints, is_confident
 from bluekoi.errors import InputError
 from bluekoi.keypoints import deeplabcut, source_module, source_names
 from bluekoi.keypoints.files.noise import white_noise_px
@@ -27,7 +27,7 @@ def make_trial(**changes) -> Trial:
     return Trial(**(values | changes))
 
 
-def keypoint_rows(parts=PARTS, rows=4, *, who=None, likelihood=True) -> list[list[str]]:
+def keypoint_rows(parts=BODY_PART_NAMES, rows=4, *, who=None, likelihood=True) -> list[list[str]]:
     coords = ["x", "y", "likelihood"] if likelihood else ["x", "y"]
     head = [["scorer", *["s"] * len(parts) * len(coords)]]
     if who:
@@ -55,8 +55,10 @@ def test_sources_are_the_modules_of_the_folder():
 
 
 def test_plain_csv(tmp_path):
-    found = deeplabcut.read(write_csv(tmp_path / "k.csv", keypoint_rows()), make_trial())
-    assert found.names == PARTS
+    found = deeplabcut.read_keypoints_of_trial(
+        write_csv(tmp_path / "k.csv", keypoint_rows()), make_trial()
+    )
+    assert found.names == BODY_PART_NAMES
     assert found.time_s == pytest.approx(np.arange(4) / 30)
     assert found.part("core_center")[3] == pytest.approx([23, 2])
     assert np.all(found.likelihood == 0.9)
@@ -67,14 +69,17 @@ def test_columns_are_found_by_name_in_any_order(tmp_path):
     order = [0, *np.random.default_rng(1).permutation(np.arange(1, len(rows[0])))]
     shuffled = write_csv(tmp_path / "s.csv", [[row[i] for i in order] for row in rows])
     plain = write_csv(tmp_path / "p.csv", rows)
-    a, b = deeplabcut.read(shuffled, make_trial()), deeplabcut.read(plain, make_trial())
+    a, b = (
+        deeplabcut.read_keypoints_of_trial(shuffled, make_trial()),
+        deeplabcut.read_keypoints_of_trial(plain, make_trial()),
+    )
     np.testing.assert_array_equal(a.xy_px, b.xy_px)
 
 
 def test_first_row_without_values_is_kept(tmp_path):
     rows = keypoint_rows()
     rows[3] = ["0", *[""] * (len(rows[0]) - 1)]
-    found = deeplabcut.read(write_csv(tmp_path / "k.csv", rows), make_trial())
+    found = deeplabcut.read_keypoints_of_trial(write_csv(tmp_path / "k.csv", rows), make_trial())
     assert len(found.time_s) == 4
     assert np.isnan(found.xy_px[0]).all()
     assert np.all(found.likelihood[0] == 0)
@@ -84,7 +89,7 @@ def test_missing_position_has_no_likelihood_whatever_the_file_says(tmp_path):
     rows = keypoint_rows()
     rows[4][1:4] = ["", "", "1.0"]
     rows[5][1:4] = ["0.0", "0.0", "0.0"]
-    found = deeplabcut.read(write_csv(tmp_path / "k.csv", rows), make_trial())
+    found = deeplabcut.read_keypoints_of_trial(write_csv(tmp_path / "k.csv", rows), make_trial())
     assert found.likelihood[1, 0] == 0.0
     assert np.isnan(found.xy_px[2, 0]).all()
 
@@ -93,14 +98,16 @@ def test_likelihoods_in_percent_are_reported_with_their_row(tmp_path):
     rows = keypoint_rows()
     rows[4][3] = "92"
     with pytest.raises(InputError, match=r"row 5: found a likelihood of 92; expected 0 to 1"):
-        deeplabcut.read(write_csv(tmp_path / "k.csv", rows), make_trial())
+        deeplabcut.read_keypoints_of_trial(write_csv(tmp_path / "k.csv", rows), make_trial())
 
 
 def test_labels_without_likelihood_and_picture_paths(tmp_path):
     rows = keypoint_rows(likelihood=False)
     for i, row in enumerate(rows[3:]):
         row[0] = f"labeled-data/v/img{10 * i:04d}.png"
-    found = deeplabcut.read(write_csv(tmp_path / "CollectedData_x.csv", rows), make_trial())
+    found = deeplabcut.read_keypoints_of_trial(
+        write_csv(tmp_path / "CollectedData_x.csv", rows), make_trial()
+    )
     assert found.time_s == pytest.approx(np.arange(4) * 10 / 30)
     assert np.all(found.likelihood == 1.0)
 
@@ -108,8 +115,8 @@ def test_labels_without_likelihood_and_picture_paths(tmp_path):
 def test_of_several_animals_the_one_with_the_parts_is_taken(tmp_path):
     ours, other = keypoint_rows(who="fish"), keypoint_rows(("nose", "tail"), who="toy")
     rows = [a + b[1:] for a, b in zip(ours, other, strict=True)]
-    found = deeplabcut.read(write_csv(tmp_path / "k.csv", rows), make_trial())
-    assert found.names == PARTS
+    found = deeplabcut.read_keypoints_of_trial(write_csv(tmp_path / "k.csv", rows), make_trial())
+    assert found.names == BODY_PART_NAMES
     assert read_all_parts(tmp_path / "k.csv", 30).names[-1] == "toy/tail"
 
 
@@ -118,7 +125,7 @@ def test_of_two_robots_the_one_seen_most_is_taken_and_reported(tmp_path):
     for row in other[4:6]:
         row[1:] = [""] * (len(row) - 1)
     rows = [a + b[1:] for a, b in zip(other, ours, strict=True)]
-    found = deeplabcut.read(write_csv(tmp_path / "k.csv", rows), make_trial())
+    found = deeplabcut.read_keypoints_of_trial(write_csv(tmp_path / "k.csv", rows), make_trial())
     assert np.isfinite(found.xy_px).all()
     assert any("toy" in remark for remark in found.remarks)
 
@@ -127,27 +134,33 @@ def test_body_parts_are_mapped_names_with_spaces_too(tmp_path):
     names = ("Nose tip", "hinge", "Butt/Proximal Tail", "tail_base", "tail_tip")
     path = write_csv(tmp_path / "k.csv", keypoint_rows(names))
     mapped = {"head_tip": "Nose tip", "core_center": "Butt/Proximal Tail"}
-    assert deeplabcut.read(path, make_trial(), mapped).names == PARTS
+    assert deeplabcut.read_keypoints_of_trial(path, make_trial(), mapped).names == BODY_PART_NAMES
     with pytest.raises(InputError, match="no head_tip"):
-        deeplabcut.read(path, make_trial())
+        deeplabcut.read_keypoints_of_trial(path, make_trial())
 
 
 def test_parts_that_are_not_needed_may_be_missing(tmp_path):
     path = write_csv(tmp_path / "k.csv", keypoint_rows(("head_tip", "core_center", "tail_base")))
-    assert deeplabcut.read(path, make_trial()).names == ("head_tip", "core_center", "tail_base")
+    assert deeplabcut.read_keypoints_of_trial(path, make_trial()).names == (
+        "head_tip",
+        "core_center",
+        "tail_base",
+    )
 
 
 def test_filtered_files_are_reported(tmp_path):
-    found = deeplabcut.read(write_csv(tmp_path / "k_filtered.csv", keypoint_rows()), make_trial())
+    found = deeplabcut.read_keypoints_of_trial(
+        write_csv(tmp_path / "k_filtered.csv", keypoint_rows()), make_trial()
+    )
     assert any("filtered" in remark for remark in found.remarks)
 
 
 def test_part_of_the_recording(tmp_path):
     path = write_csv(tmp_path / "k.csv", keypoint_rows(rows=60))
-    found = deeplabcut.read(path, make_trial(start_s=0.5, end_s=1.0))
+    found = deeplabcut.read_keypoints_of_trial(path, make_trial(start_s=0.5, end_s=1.0))
     assert found.time_s[[0, -1]] == pytest.approx([0.5, 1.0])
     with pytest.raises(InputError) as caught:
-        deeplabcut.read(path, make_trial(start_s=50.0))
+        deeplabcut.read_keypoints_of_trial(path, make_trial(start_s=50.0))
     assert str(caught.value) == (
         "trials.csv: trial T01, start_s: found 50 s; expected a part of k.csv, whose frames are "
         "from 0 to 1.967 s."
@@ -174,7 +187,7 @@ def test_part_of_the_recording(tmp_path):
 def test_wrong_files_are_reported_with_the_place(tmp_path, change, message):
     path = write_csv(tmp_path / "k.csv", change(keypoint_rows()))
     with pytest.raises(InputError, match=message) as caught:
-        deeplabcut.read(path, make_trial())
+        deeplabcut.read_keypoints_of_trial(path, make_trial())
     assert "k.csv" in str(caught.value)
 
 
@@ -186,7 +199,7 @@ def test_any_text_is_read_or_a_fault(tmp_path, text):
     path = tmp_path / "f.csv"
     path.write_text("scorer,s,s\n" + text, encoding="utf-8", newline="")
     with pytest.raises(InputError, match=r"f\.csv"):
-        deeplabcut.read(path, make_trial())
+        deeplabcut.read_keypoints_of_trial(path, make_trial())
 
 
 def test_what_is_written_is_read_back(tmp_path):
@@ -197,9 +210,9 @@ def test_what_is_written_is_read_back(tmp_path):
     xy[3, 1], cov[3, 1] = np.nan, np.nan
     likelihood = np.where(np.isfinite(xy[..., 0]), rng.uniform(0.2, 1, (20, 5)), 0.0)
     time_s = np.cumsum(rng.uniform(0.02, 0.05, 20))
-    given_points = Keypoints(time_s, PARTS, xy, likelihood, cov)
-    deeplabcut.write(tmp_path / "T01.csv", given_points)
-    found = deeplabcut.read(tmp_path / "T01.csv", make_trial())
+    given_points = Keypoints(time_s, BODY_PART_NAMES, xy, likelihood, cov)
+    deeplabcut.write_keypoints_csv(tmp_path / "T01.csv", given_points)
+    found = deeplabcut.read_keypoints_of_trial(tmp_path / "T01.csv", make_trial())
     assert (tmp_path / "T01.cov.csv").is_file()
     np.testing.assert_allclose(found.xy_px, xy, rtol=1e-5)
     np.testing.assert_allclose(found.cov_px2, cov, rtol=1e-6)
@@ -228,7 +241,7 @@ def test_a_damaged_header_of_coordinates_is_named(change, message, tmp_path):
     rows = keypoint_rows()
     change(rows)
     with pytest.raises(InputError, match=message):
-        deeplabcut.read(write_csv(tmp_path / "k.csv", rows), make_trial())
+        deeplabcut.read_keypoints_of_trial(write_csv(tmp_path / "k.csv", rows), make_trial())
 
 
 def file_of_a_motion(path: Path, likelihood: np.ndarray, *, scorer: str = "net") -> None:
@@ -248,7 +261,7 @@ def file_of_a_motion(path: Path, likelihood: np.ndarray, *, scorer: str = "net")
 def test_points_of_a_file_count_as_seen_from_a_likelihood_of_a_tenth_on(tmp_path):
     likelihood = np.where(np.arange(80) % 4 == 0, 0.09, 0.3)
     file_of_a_motion(tmp_path / "k.csv", likelihood)
-    found = deeplabcut.read(tmp_path / "k.csv", make_trial())
+    found = deeplabcut.read_keypoints_of_trial(tmp_path / "k.csv", make_trial())
     assert np.array_equal(is_confident(found.likelihood[:, 0]), likelihood > 0.1)
     std = np.sqrt(found.cov_px2[likelihood > 0.1][..., 0, 0])
     assert std.mean() == pytest.approx(0.4, rel=0.3)
@@ -257,7 +270,7 @@ def test_points_of_a_file_count_as_seen_from_a_likelihood_of_a_tenth_on(tmp_path
 def test_few_points_of_little_confidence_are_left_out_with_a_remark(tmp_path):
     likelihood = np.where(np.arange(80) % 4 < 1, 0.3, 0.95)
     file_of_a_motion(tmp_path / "k.csv", likelihood)
-    found = deeplabcut.read(tmp_path / "k.csv", make_trial())
+    found = deeplabcut.read_keypoints_of_trial(tmp_path / "k.csv", make_trial())
     assert np.array_equal(is_confident(found.likelihood[:, 0]), likelihood > 0.6)
     assert any(remark.startswith("25 % of the points are left out") for remark in found.remarks)
 
@@ -269,8 +282,10 @@ def test_points_of_our_detectors_count_from_their_own_limit(detected_here, tmp_p
     file_of_a_motion(path := tmp_path / "k.csv", likelihood, scorer=deeplabcut.SCORER)
     if detected_here:
         own = np.tile(likelihood[:, None], (1, 5))
-        deeplabcut.write(path, replace(deeplabcut.read(path, make_trial()), likelihood=own))
-    found = deeplabcut.read(path, make_trial())
+        deeplabcut.write_keypoints_csv(
+            path, replace(deeplabcut.read_keypoints_of_trial(path, make_trial()), likelihood=own)
+        )
+    found = deeplabcut.read_keypoints_of_trial(path, make_trial())
     used = likelihood > 0.6 if detected_here else likelihood > 0.1
     assert np.array_equal(is_confident(found.likelihood[:, 0]), used)
 

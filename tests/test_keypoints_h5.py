@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_keypoints_files import make_trial
 
-from bluekoi.data import PARTS
+from bluekoi.data import BODY_PART_NAMES
 from bluekoi.errors import InputError
 from bluekoi.keypoints import deeplabcut, sleap
 from bluekoi.keypoints.files.pickle_literals import NotLiteral, parse_literal
@@ -25,7 +25,7 @@ def test_damaged_h5_is_a_fault(tmp_path, content):
     path = tmp_path / "k.h5"
     path.write_bytes(content)
     with pytest.raises(InputError, match=r"k\.h5"):
-        deeplabcut.read(path, make_trial())
+        deeplabcut.read_keypoints_of_trial(path, make_trial())
 
 
 @pytest.mark.parametrize(
@@ -40,12 +40,16 @@ def test_damaged_h5_is_a_fault(tmp_path, content):
 def test_a_file_with_the_ending_of_another_format_is_recognised(tmp_path, name, content, words):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(InputError, match=words):
-        deeplabcut.read(tmp_path / name, make_trial())
+        deeplabcut.read_keypoints_of_trial(tmp_path / name, make_trial())
 
 
 def write_fixed_h5(path: Path, **changes) -> Path:
     """A DataFrame in pandas' fixed format, as DeepLabCut's older files are."""
-    names = {"scorer": ["s"], "bodyparts": list(PARTS), "coords": ["x", "y", "likelihood"]}
+    names = {
+        "scorer": ["s"],
+        "bodyparts": list(BODY_PART_NAMES),
+        "coords": ["x", "y", "likelihood"],
+    }
     codes = {
         "scorer": np.zeros(15), "bodyparts": np.repeat(np.arange(5), 3),
         "coords": np.tile(np.arange(3), 5),
@@ -67,8 +71,10 @@ def write_fixed_h5(path: Path, **changes) -> Path:
 def test_fixed_h5(tmp_path):
     values = np.arange(90, dtype=float).reshape(6, 15)
     values[:, 2::3] = 0.5
-    found = deeplabcut.read(write_fixed_h5(tmp_path / "k.h5", values=values), make_trial())
-    assert found.names == PARTS
+    found = deeplabcut.read_keypoints_of_trial(
+        write_fixed_h5(tmp_path / "k.h5", values=values), make_trial()
+    )
+    assert found.names == BODY_PART_NAMES
     assert found.xy_px[2, 1] == pytest.approx(values[2, 3:5])
 
 
@@ -76,14 +82,14 @@ def test_an_h5_without_a_frame_is_refused(tmp_path):
     empty = {"axis1": np.arange(0)}
     path = write_fixed_h5(tmp_path / "k.h5", values=np.zeros((1, 0)), more=empty)
     with pytest.raises(InputError, match=r"k\.h5: found a file without a single frame"):
-        deeplabcut.read(path, make_trial())
+        deeplabcut.read_keypoints_of_trial(path, make_trial())
 
 
 def test_links_out_of_an_h5_are_refused(tmp_path):
     link = h5py.ExternalLink("/etc/other.h5", "/values")
     path = write_fixed_h5(tmp_path / "k.h5", more={"block0_values": link})
     with pytest.raises(InputError, match="link to elsewhere"):
-        deeplabcut.read(path, make_trial())
+        deeplabcut.read_keypoints_of_trial(path, make_trial())
 
 
 class MaliciousPickle:
@@ -106,12 +112,12 @@ def write_table_h5(path: Path, names: bytes) -> Path:
 @pytest.mark.parametrize("protocol", [0, 1, 2])
 def test_column_names_of_a_table_are_read_not_unpickled(tmp_path, protocol, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    names = [("s", p, c) for p in PARTS for c in ("x", "y", "likelihood")]
+    names = [("s", p, c) for p in BODY_PART_NAMES for c in ("x", "y", "likelihood")]
     good = write_table_h5(tmp_path / "k.h5", pickle.dumps(names, 0))
-    assert deeplabcut.read(good, make_trial()).names == PARTS
+    assert deeplabcut.read_keypoints_of_trial(good, make_trial()).names == BODY_PART_NAMES
     bad = write_table_h5(tmp_path / "e.h5", pickle.dumps([*names[:-1], MaliciousPickle()], 0))
     with pytest.raises(InputError, match="no readable h5"):
-        deeplabcut.read(bad, make_trial())
+        deeplabcut.read_keypoints_of_trial(bad, make_trial())
     with pytest.raises(NotLiteral):
         parse_literal(pickle.dumps(MaliciousPickle(), protocol))
     assert not (tmp_path / "unpickled").exists()
@@ -158,7 +164,7 @@ def write_sleap_h5(path: Path, tracks: int = 1) -> Path:
     values[:1, :, 2, 3] = np.nan
     with h5py.File(path, "w") as file:
         file["tracks"] = values
-        file["node_names"] = np.array(PARTS, dtype="S")
+        file["node_names"] = np.array(BODY_PART_NAMES, dtype="S")
         file["track_names"] = np.array([f"fish{i}" for i in range(tracks)], dtype="S")
         file["point_scores"] = np.full((tracks, 5, 7), 0.8)
     return path
@@ -166,21 +172,27 @@ def write_sleap_h5(path: Path, tracks: int = 1) -> Path:
 
 def test_sleap_is_distinguished_from_deeplabcut(tmp_path):
     path = write_sleap_h5(tmp_path / "a.analysis.h5")
-    found = deeplabcut.read(path, make_trial())
-    assert found.names == PARTS
+    found = deeplabcut.read_keypoints_of_trial(path, make_trial())
+    assert found.names == BODY_PART_NAMES
     assert found.xy_px[4, 1] == pytest.approx([7 + 4, 35 + 7 + 4])
     assert found.likelihood[3, 2] == 0.0
-    np.testing.assert_array_equal(sleap.read(path, make_trial()).xy_px, found.xy_px)
+    np.testing.assert_array_equal(
+        sleap.read_keypoints_of_trial(path, make_trial()).xy_px, found.xy_px
+    )
 
 
 def test_sleap_of_two_tracks_takes_one_and_reports_it(tmp_path):
-    found = deeplabcut.read(write_sleap_h5(tmp_path / "a.h5", tracks=2), make_trial())
+    found = deeplabcut.read_keypoints_of_trial(
+        write_sleap_h5(tmp_path / "a.h5", tracks=2), make_trial()
+    )
     assert any("fish" in remark for remark in found.remarks)
 
 
 def test_sleap_without_a_track_is_reported(tmp_path):
     with pytest.raises(InputError, match="no tracked animal"):
-        deeplabcut.read(write_sleap_h5(tmp_path / "a.h5", tracks=0), make_trial())
+        deeplabcut.read_keypoints_of_trial(
+            write_sleap_h5(tmp_path / "a.h5", tracks=0), make_trial()
+        )
 
 
 @pytest.mark.recordings

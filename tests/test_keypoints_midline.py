@@ -12,8 +12,8 @@ from bluekoi.data import Frame, Keypoints
 from bluekoi.keypoints import silhouette
 from bluekoi.keypoints.midline.identity import record_doubtful_jump
 from bluekoi.keypoints.midline.midline_fit import BendingTemplate, midline
-from bluekoi.keypoints.midline.track import Fit, Track
-from bluekoi.study import Setup, Trial
+from bluekoi.keypoints.midline.track import BodyFitHistory, MidlineFit
+from bluekoi.study import StudySettings, Trial
 
 PICTURE_SIZE_PX = (420, 300)
 WHOLE, HEAD, CORE = 0.25, 0.3, 0.45
@@ -36,7 +36,7 @@ def fish_setup(body_px: float, body_length_m: float, *, start_px=None, **detecti
         "keypoint_depth_m": 0.0,
     }
     corners = ((0, PICTURE_SIZE_PX[1]), PICTURE_SIZE_PX, (PICTURE_SIZE_PX[0], 0), (0, 0))
-    setup = Setup(
+    setup = StudySettings(
         pool={"length_m": length, "width_m": width, "depth_m": width},
         robot=robot,
         camera={"pool_corners_px": corners},
@@ -100,7 +100,7 @@ def keypoint_errors(found: Keypoints, truth: np.ndarray) -> np.ndarray:
 def test_a_bending_body_is_found_along_its_midline_with_the_right_deviations(whole_px):
     path = swimming_poses(80, whole_px)
     film, truth = film_of_paths([path], whole_px), true_keypoints(path, whole_px)
-    found = silhouette.detect(lambda: film, *fish_setup(whole_px / (1 + WHOLE), 0.1))
+    found = silhouette.detect_keypoints(lambda: film, *fish_setup(whole_px / (1 + WHOLE), 0.1))
     off = keypoint_errors(found, truth)
     assert np.mean(found.likelihood >= 0.6) > 0.97
     assert np.all(np.median(off, axis=0)[:3] < 0.3)
@@ -129,7 +129,7 @@ def test_the_body_at_the_first_position_is_followed_and_never_silently_exchanged
     paths = crossing_paths(70, 50.0)
     film, truth = film_of_paths(paths, 50.0), true_keypoints(paths[which], 50.0)
     setup, trial = fish_setup(40.0, 0.1, start_px=paths[which][0, :2], body="bending")
-    found = silhouette.detect(lambda: film, setup, trial)
+    found = silhouette.detect_keypoints(lambda: film, setup, trial)
     off = keypoint_errors(found, truth)
     assert np.median(off[:20]) < 1.0
     assert np.mean(found.likelihood[:20] >= 0.6) > 0.9
@@ -139,7 +139,7 @@ def test_the_body_at_the_first_position_is_followed_and_never_silently_exchanged
 def test_one_body_alone_is_not_doubted():
     path = swimming_poses(50, 50.0)
     film = film_of_paths([path], 50.0)
-    found = silhouette.detect(lambda: film, *fish_setup(40.0, 0.1, body="bending"))
+    found = silhouette.detect_keypoints(lambda: film, *fish_setup(40.0, 0.1, body="bending"))
     assert found.remarks == ()
 
 
@@ -157,7 +157,7 @@ def test_points_just_outside_the_picture_are_likely_if_their_part_of_the_body_is
     """Issue 31, point 2: real fish swim along the edge, and a nose or tail leaves the picture."""
     path = path_along_edge(90, 50.0)
     film, truth = film_of_paths([path], 50.0), true_keypoints(path, 50.0)
-    found = silhouette.detect(lambda: film, *fish_setup(40.0, 0.1, body="bending"))
+    found = silhouette.detect_keypoints(lambda: film, *fish_setup(40.0, 0.1, body="bending"))
     off, below = keypoint_errors(found, truth), truth[..., 1] - (PICTURE_SIZE_PX[1] - 1)
     likely = found.likelihood >= 0.6
     assert np.mean(likely[below < 0]) > 0.9
@@ -166,16 +166,16 @@ def test_points_just_outside_the_picture_are_likely_if_their_part_of_the_body_is
     assert not np.any(likely & (below > 0.2 * 50))
 
 
-def make_fit(x_bl: float, *, heading: float = 0.0, support: float = 0.95) -> Fit:
+def make_fit(x_bl: float, *, heading: float = 0.0, support: float = 0.95) -> MidlineFit:
     """A fit at a place, in body lengths, with the same support of all parts."""
     seen = [*np.full(4, support), 1.0, 1.0, 1.0, 1.0]
     pose = np.array([x_bl, 0.0, heading, *np.zeros(5)])
-    return Fit(pose, np.eye(8), np.eye(8), np.array(seen))
+    return MidlineFit(pose, np.eye(8), np.eye(8), np.array(seen))
 
 
-def doubted_frames(fits: list[Fit | None]) -> list[int]:
+def doubted_frames(fits: list[MidlineFit | None]) -> list[int]:
     """Frames in which a body alone, one body length long, is doubted."""
-    shape, track = BendingTemplate(1.0, 0.1, np.zeros((56, 17)), 0.0), Track()
+    shape, track = BendingTemplate(1.0, 0.1, np.zeros((56, 17)), 0.0), BodyFitHistory()
     for i, one in enumerate(fits):
         track.add(i / 50, one)
         record_doubtful_jump(track, shape)
@@ -206,7 +206,7 @@ def test_no_robot_found_says_the_likely_reason_with_numbers_and_a_remedy(body_px
     """Issue 31, point 5."""
     paths = [swimming_poses(20, whole_px)] if whole_px else [np.full((20, 8), -500.0)]
     film = film_of_paths(paths, max(whole_px, 1.0))
-    found = silhouette.detect(lambda: film, *fish_setup(body_px, 0.1, body="rigid"))
+    found = silhouette.detect_keypoints(lambda: film, *fish_setup(body_px, 0.1, body="rigid"))
     assert np.all(found.likelihood == 0.0)
     assert any(remark.startswith("No robot was found: ") and said in remark
                for remark in found.remarks)  # fmt: skip
@@ -297,7 +297,7 @@ def test_a_real_fish_alone_is_found_in_nearly_all_frames(recordings, which, whol
     """
     pictures, places = real_fish(recordings / "fish_film")
     film = film_of_one_fish(pictures, places, which)
-    found = silhouette.detect(lambda: film, *real_fish_setup(pictures.shape[1:], whole_m))
+    found = silhouette.detect_keypoints(lambda: film, *real_fish_setup(pictures.shape[1:], whole_m))
     head = found.xy_px[:, :2].mean(axis=1)
     off = np.linalg.norm(head - places[which, :, 0], axis=1)
     known = np.isfinite(places[which, :, 0, 0])

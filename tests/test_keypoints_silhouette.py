@@ -9,12 +9,12 @@ import cv2
 import numpy as np
 import pytest
 
-from bluekoi.data import PARTS, Frame
+from bluekoi.data import BODY_PART_NAMES, Frame
 from bluekoi.errors import InputError
 from bluekoi.keypoints import markers, silhouette
-from bluekoi.study import Setup, Trial
+from bluekoi.study import StudySettings, Trial
 from bluekoi.synthetic.conditions import CONDITIONS_BY_NAME
-from bluekoi.synthetic.design import conditions_design
+from bluekoi.synthetic.design import filming_conditions_design
 from bluekoi.synthetic.footage import render_frames
 from bluekoi.synthetic.optics import pool_corners
 from bluekoi.synthetic.trial import camera_at, frame_truth, solve_trial
@@ -23,11 +23,11 @@ RIGID_KEYPOINTS = (0, 1, 2)
 STRAIGHT, LEFT, RIGHT = "T01", "T02", "T03"
 
 
-def setup_of_design(design, **detection) -> Setup:
+def setup_of_design(design, **detection) -> StudySettings:
     camera, tank = camera_at(design, -1.0), design.tank
     (fx, fy), (cx, cy) = camera.focal_px, camera.middle_px
     robot = {name: getattr(tank.robot, name) for name in tank.robot.__dataclass_fields__}
-    return Setup(
+    return StudySettings(
         robot=robot,
         camera={
             "model": camera.lens,
@@ -55,7 +55,7 @@ def rendered_trial(
     step: str, name: str, *, seconds: float = 2.4, every: int = 4, colour: bool = False
 ):
     """Frames, setup, trial and true keypoints (frames, 5, 2) of one rendered trial."""
-    design = conditions_design(CONDITIONS_BY_NAME[step], longest_s=seconds)
+    design = filming_conditions_design(CONDITIONS_BY_NAME[step], longest_s=seconds)
     trial = solve_trial(design, name)
     number = range(0, len(trial.time_s), every)
     thinned = replace(trial, time_s=trial.time_s[::every])
@@ -86,9 +86,9 @@ def pulls(found, truth) -> np.ndarray:
 @pytest.mark.parametrize("name", [STRAIGHT, LEFT, RIGHT])
 def test_middle_step_is_found_to_a_third_of_a_pixel(name):
     film, setup, trial, truth = rendered_trial("middle", name)
-    found = silhouette.detect(lambda: film, setup, trial)
+    found = silhouette.detect_keypoints(lambda: film, setup, trial)
     off = keypoint_errors(found, truth)
-    assert found.names == PARTS
+    assert found.names == BODY_PART_NAMES
     assert np.all(np.median(off, axis=0)[list(RIGID_KEYPOINTS)] <= 0.3)
     assert off.max() < 3.0
     assert np.mean(found.likelihood > 0.9) > 0.97
@@ -102,7 +102,7 @@ def test_the_whole_length_is_seen_to_a_quarter_of_a_percent(name, stated):
     film, setup, trial, _ = rendered_trial("middle", name)
     pool = {k: getattr(setup.pool, k) * stated for k in ("length_m", "width_m")}
     wrong = setup.model_copy(update={"pool": setup.pool.model_copy(update=pool)})
-    found = silhouette.detect(lambda: film, wrong, trial)
+    found = silhouette.detect_keypoints(lambda: film, wrong, trial)
     assert found.length_seen is not None
     assert np.nanmedian(found.length_seen) == pytest.approx(stated, abs=0.0025)
 
@@ -113,8 +113,8 @@ ROBOT_LENGTHS = ("body_length_m", "head_length_m", "head_span_m", "hinge_to_com_
 
 
 def with_stated_body_length(
-    setup: Setup, trial: Trial, body_length_m: float
-) -> tuple[Setup, Trial]:
+    setup: StudySettings, trial: Trial, body_length_m: float
+) -> tuple[StudySettings, Trial]:
     """The same setup and trial with all lengths scaled to a body length."""
     scale = body_length_m / setup.robot.body_length_m
     pool = {name: scale * getattr(setup.pool, name) for name in LENGTHS}
@@ -131,8 +131,10 @@ def with_stated_body_length(
 def test_detection_does_not_depend_on_the_metric_scale_that_a_study_declares(body_length_m):
     """Issue 31, point 1: same pixels, same result, from 5 mm to 5 m."""
     film, setup, trial, _ = rendered_trial("middle", LEFT, seconds=1.2)
-    usual = silhouette.detect(lambda: film, setup, trial)
-    found = silhouette.detect(lambda: film, *with_stated_body_length(setup, trial, body_length_m))
+    usual = silhouette.detect_keypoints(lambda: film, setup, trial)
+    found = silhouette.detect_keypoints(
+        lambda: film, *with_stated_body_length(setup, trial, body_length_m)
+    )
     for name in ("xy_px", "likelihood", "cov_px2"):
         np.testing.assert_allclose(getattr(found, name), getattr(usual, name), rtol=1e-9)
 
@@ -141,7 +143,7 @@ def test_a_second_robot_in_the_picture_is_reported():
     """The film laid over itself turned by half a turn: two dark bodies of one shape."""
     film, setup, trial, truth = rendered_trial("middle", LEFT)
     both = [replace(f, luma=np.minimum(f.luma, f.luma[::-1, ::-1])) for f in film]
-    found = silhouette.detect(lambda: both, setup, trial)
+    found = silhouette.detect_keypoints(lambda: both, setup, trial)
     assert sum("second body of the robot's shape" in remark for remark in found.remarks) == 1
     turned = np.array(film[0].luma.shape[::-1]) - 1 - truth
     off = np.minimum(keypoint_errors(found, truth), keypoint_errors(found, turned))
@@ -151,7 +153,7 @@ def test_a_second_robot_in_the_picture_is_reported():
 @pytest.mark.parametrize("step", ["middle", "second_body", "hand"])
 def test_one_robot_is_not_taken_for_two(step):
     film, setup, trial, _ = rendered_trial(step, LEFT)
-    found = silhouette.detect(lambda: film, setup, trial)
+    found = silhouette.detect_keypoints(lambda: film, setup, trial)
     assert not any("second body" in remark for remark in found.remarks)
 
 
@@ -159,7 +161,9 @@ def test_stated_covariances_have_the_right_width():
     square = []
     for name in (STRAIGHT, LEFT, RIGHT):
         film, setup, trial, truth = rendered_trial("middle", name)
-        square.append(pulls(silhouette.detect(lambda f=film: f, setup, trial), truth) ** 2)
+        square.append(
+            pulls(silhouette.detect_keypoints(lambda f=film: f, setup, trial), truth) ** 2
+        )
     width = np.sqrt(np.mean(square, axis=0))
     assert np.all((width > 0.75) & (width < 1.25))
     assert np.sqrt(np.mean(width[list(RIGID_KEYPOINTS)] ** 2)) == pytest.approx(1.0, abs=0.2)
@@ -168,7 +172,7 @@ def test_stated_covariances_have_the_right_width():
 def test_a_straight_robot_is_learned_in_moving_light():
     """Parts of it alone stand out; head and tail are distinguished, nothing wrong is believed."""
     film, setup, trial, truth = rendered_trial("hard", STRAIGHT, every=3)
-    found = silhouette.detect(lambda: film, setup, trial)
+    found = silhouette.detect_keypoints(lambda: film, setup, trial)
     off = keypoint_errors(found, truth)
     seen = np.isfinite(off[:, 1])
     assert seen.mean() > 0.4
@@ -180,9 +184,9 @@ def test_a_straight_robot_is_learned_in_moving_light():
 
 def test_a_tail_smeared_by_the_exposure_says_so():
     film, setup, trial, truth = rendered_trial("blur", STRAIGHT)
-    found = silhouette.detect(lambda: film, setup, trial)
+    found = silhouette.detect_keypoints(lambda: film, setup, trial)
     sharp, setup, trial, sharp_truth = rendered_trial("middle", STRAIGHT)
-    clear = silhouette.detect(lambda: sharp, setup, trial)
+    clear = silhouette.detect_keypoints(lambda: sharp, setup, trial)
     believed = found.likelihood[:, 4] > 0.9
     assert 0.6 < pulls(found, truth)[4] < 1.6
     assert 0.6 < pulls(clear, sharp_truth)[4] < 1.4
@@ -197,7 +201,7 @@ def test_a_tail_smeared_by_the_exposure_says_so():
 )
 def test_things_in_the_way_never_make_a_confident_wrong_point(step, name):
     film, setup, trial, truth = rendered_trial(step, name)
-    found = silhouette.detect(lambda: film, setup, trial)
+    found = silhouette.detect_keypoints(lambda: film, setup, trial)
     wrong = (keypoint_errors(found, truth) > 5.0) & (found.likelihood > 0.9)
     assert wrong.sum() == 0
     assert np.mean(found.likelihood[:, 2] > 0.5) > 0.6
@@ -206,7 +210,7 @@ def test_things_in_the_way_never_make_a_confident_wrong_point(step, name):
 def test_a_robot_that_never_moves_is_found_and_reported():
     film, setup, trial, truth = rendered_trial("middle", LEFT)
     still = [replace(frame, luma=film[0].luma) for frame in film[:6]]
-    found = silhouette.detect(lambda: still, setup, trial)
+    found = silhouette.detect_keypoints(lambda: still, setup, trial)
     assert any("hardly left its place" in remark for remark in found.remarks)
     assert np.all(keypoint_errors(found, truth[:1])[:, :3] < 5.0)
 
@@ -219,30 +223,30 @@ def test_an_empty_pool_has_no_robot():
         replace(f, luma=np.clip(empty + rng.normal(0, 2, empty.shape), 0, 255).astype(np.uint8))
         for f in film[:5]
     ]
-    found = silhouette.detect(lambda: noisy, setup, trial)
+    found = silhouette.detect_keypoints(lambda: noisy, setup, trial)
     assert np.all(found.likelihood < 0.5)
     assert any("without the robot" in r or "No robot" in r for r in found.remarks)
 
 
 def test_a_nudged_camera_is_reported_and_a_still_one_is_not():
     film, setup, trial, _ = rendered_trial("nudged", STRAIGHT)
-    found = silhouette.detect(lambda: film, setup, trial)
+    found = silhouette.detect_keypoints(lambda: film, setup, trial)
     assert any("the camera moved by about" in remark for remark in found.remarks)
     still, setup, trial, _ = rendered_trial("middle", STRAIGHT)
-    plain = silhouette.detect(lambda: still, setup, trial)
+    plain = silhouette.detect_keypoints(lambda: still, setup, trial)
     assert not any("camera" in remark for remark in plain.remarks)
 
 
 def test_no_frames_is_a_fault():
     _, setup, trial, _ = rendered_trial("middle", LEFT)
     with pytest.raises(InputError, match="no frames"):
-        silhouette.detect(list, setup, trial)
+        silhouette.detect_keypoints(list, setup, trial)
 
 
 def test_a_brighter_robot_is_found_as_well():
     film, setup, trial, truth = rendered_trial("calm", LEFT)
     bright = [replace(frame, luma=255 - frame.luma) for frame in film]
-    found = silhouette.detect(lambda: bright, setup, trial)
+    found = silhouette.detect_keypoints(lambda: bright, setup, trial)
     assert np.all(np.median(keypoint_errors(found, truth), axis=0)[list(RIGID_KEYPOINTS)] <= 1.0)
 
 
@@ -251,15 +255,15 @@ def test_markers_are_found_by_hue():
     hues = {"head_tip": 2, "hinge": 50, "core_center": 128, "tail_base": 306, "tail_tip": 29}
     detection = setup.detection.model_copy(update={"marker_hues_deg": hues})
     setup = setup.model_copy(update={"detection": detection})
-    found = markers.detect(lambda: film, setup, trial)
+    found = markers.detect_keypoints(lambda: film, setup, trial)
     off = keypoint_errors(found, truth)
     assert np.all(np.nanmedian(off, axis=0) < 0.6)
     assert not np.any((off > 5) & (found.likelihood > 0.9))
     with pytest.raises(InputError, match="colour frames"):
-        markers.detect(lambda: [replace(film[0], bgr=None)], setup, trial)
+        markers.detect_keypoints(lambda: [replace(film[0], bgr=None)], setup, trial)
 
 
 def test_markers_need_hues():
     film, setup, trial, _ = rendered_trial("middle", LEFT)
     with pytest.raises(InputError, match="marker_hues_deg"):
-        markers.detect(lambda: film, setup, trial)
+        markers.detect_keypoints(lambda: film, setup, trial)

@@ -7,8 +7,8 @@ import pytest
 
 from bluekoi.keypoints.outline.variance import (
     covariance_kernels,
+    kernel_variance_components,
     mean_covariance,
-    variance_components,
     variance_statistics,
 )
 
@@ -58,7 +58,9 @@ def test_variances_and_covariance_are_those_put_in(variance):
     forms, expected = (
         np.mean([getattr(t, n) for t in reported], axis=0) for n in ("forms", "expected")
     )
-    assert variance_components(forms, expected) == pytest.approx(variance, abs=0.12 * sum(variance))
+    assert kernel_variance_components(forms, expected) == pytest.approx(
+        variance, abs=0.12 * sum(variance)
+    )
     stated = mean_covariance(reported)
     pulls = np.sqrt(np.mean(errors**2, axis=0) / np.diag(stated))
     assert np.all((pulls > 0.85) & (pulls < 1.15))
@@ -86,7 +88,7 @@ def test_the_algebra_is_that_of_whole_matrices():
 
 def test_no_variance_is_negative():
     expected = np.array([[100.0, 90, 80], [90, 500, 600], [80, 600, 2000]])
-    found = variance_components(expected @ np.array([1.0, -0.3, 0.1]), expected)
+    found = kernel_variance_components(expected @ np.array([1.0, -0.3, 0.1]), expected)
     assert np.all(found >= 0)
     assert found.sum() > 0
     assert len(found) == 3

@@ -12,10 +12,17 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from bluekoi.integrate.dependence import stage_arguments
-from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates, simulate, steady_turn
+from bluekoi.model import (
+    PUBLISHED_FLAP_HZ,
+    TABLE_1,
+    constants_of_robot_trial,
+    simulate,
+    steady_speed_and_radius,
+    two_plate_system,
+)
 from bluekoi.model.plates import DYNAMICS
 from bluekoi.observation import constant_names
-from bluekoi.tuning import growth_per_s
+from bluekoi.tuning import straight_swimming_growth_per_s
 from paper_robot import PAPER_SETUP
 
 FIN_PARAMETERS = {"tail_fin_lift": {"lift_area": 0.012, "arm": 0.15}}
@@ -23,7 +30,7 @@ FIN_PARAMETERS = {"tail_fin_lift": {"lift_area": 0.012, "arm": 0.15}}
 
 def published_rates(t: float, s: np.ndarray, power: int, phi: float) -> list[float]:
     """Eq. 8 with Table I at a power."""
-    return published_rates_in_world_axes(t, s, TABLE_1[power], phi, FLAP_HZ[power])
+    return published_rates_in_world_axes(t, s, TABLE_1[power], phi, PUBLISHED_FLAP_HZ[power])
 
 
 def published_rates_in_world_axes(
@@ -54,7 +61,7 @@ def published_rates_in_world_axes(
 def test_compiled_model_follows_the_printed_equations(power: int) -> None:
     phi = math.radians(45)
     run = simulate(TABLE_1[power], setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=phi,
-                   flap_hz=FLAP_HZ[power], duration_s=8.0)  # fmt: skip
+                   flap_hz=PUBLISHED_FLAP_HZ[power], duration_s=8.0)  # fmt: skip
     exact = solve_ivp(published_rates, (0, 8), [0, 0, -phi, 0, 0, 0], args=(power, phi),
                       method="DOP853", rtol=1e-10, atol=1e-12, t_eval=[8.0])  # fmt: skip
     assert np.abs(run.state[-1, :2] - exact.y[:2, 0]).max() < 1e-4
@@ -74,39 +81,57 @@ def test_order_of_convergence_is_four() -> None:
 
 def test_audit_1_terminal_speeds_in_the_unit_reading() -> None:
     speeds = [
-        steady_turn(TABLE_1[p], setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=0.0,
-                    flap_hz=FLAP_HZ[p])[0] for p in (50, 75, 100)]  # fmt: skip
+        steady_speed_and_radius(
+            TABLE_1[p],
+            setup=PAPER_SETUP,
+            head_length_m=0.12,
+            head_angle_rad=0.0,
+            flap_hz=PUBLISHED_FLAP_HZ[p],
+        )[0]
+        for p in (50, 75, 100)
+    ]
     assert speeds == pytest.approx([0.225, 0.381, 0.552], abs=0.001)
 
 
 def test_audit_1_as_printed_the_speed_would_be_17_5_m_s() -> None:
     assert 5.82 * math.sqrt(4.5 / 0.5) == pytest.approx(17.5, abs=0.05)
     printed = TABLE_1[100] | {"C_T": 4.5}
-    speed, _ = steady_turn(printed, setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=0.0,
-                           flap_hz=5.82)  # fmt: skip
+    speed, _ = steady_speed_and_radius(
+        printed, setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=0.0, flap_hz=5.82
+    )
     assert speed == pytest.approx(17.46, abs=0.1)
 
 
 def test_audit_3_one_coefficient_set_makes_the_radius_independent_of_power() -> None:
     radii = [
-        steady_turn(
+        steady_speed_and_radius(
             TABLE_1[75],
             setup=PAPER_SETUP,
             head_length_m=0.12,
             head_angle_rad=math.radians(45),
             flap_hz=f,
         )[1]
-        for f in FLAP_HZ.values()
+        for f in PUBLISHED_FLAP_HZ.values()
     ]
     assert np.ptp(radii) / np.mean(radii) < 1e-3
     assert 0.36 < np.mean(radii) < 1.0
 
 
 def test_audit_5_straight_swimming_is_unstable_and_a_fin_steadies_it() -> None:
-    growth = {p: growth_per_s(TABLE_1[p], setup=PAPER_SETUP, flap_hz=FLAP_HZ[p]) for p in (50, 100)}
+    growth = {
+        p: straight_swimming_growth_per_s(
+            TABLE_1[p], setup=PAPER_SETUP, flap_hz=PUBLISHED_FLAP_HZ[p]
+        )
+        for p in (50, 100)
+    }
     assert growth[100] == pytest.approx(3.6, abs=0.2)
     assert growth[50] == pytest.approx(1.5, abs=0.1)
-    assert growth_per_s(TABLE_1[100], setup=PAPER_SETUP, flap_hz=5.82, effects=FIN_PARAMETERS) < 0
+    assert (
+        straight_swimming_growth_per_s(
+            TABLE_1[100], setup=PAPER_SETUP, flap_hz=5.82, effects=FIN_PARAMETERS
+        )
+        < 0
+    )
 
 
 def test_turns_mirror() -> None:
@@ -125,13 +150,13 @@ def test_straight_head_swims_exactly_straight() -> None:
 
 
 def test_longer_head_has_the_contract_s_arm() -> None:
-    values = constants(PAPER_SETUP, 0.175)
+    values = constants_of_robot_trial(PAPER_SETUP, 0.175)
     assert values[3] == pytest.approx(0.175 + 0.04 - (0.331 + 0.055) / 4)
     assert values[1] == pytest.approx(0.175 * 0.069)
 
 
 def test_no_equation_of_motion_depends_on_how_the_robot_is_seen() -> None:
-    physics = [e for e in plates().effects if e.kind != "measurement"]
+    physics = [e for e in two_plate_system().effects if e.kind != "measurement"]
     asked = {name for stage in DYNAMICS for name in stage_arguments(stage, physics)}
     assert not asked & set(constant_names())
 

@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.data import Flapping, Positions
+from bluekoi.data import FlappingFrequency, Positions
 from bluekoi.errors import InputError
 from bluekoi.motor import (
-    clock_ratio,
     common_clock_ratio,
     deviates_from_common_clock,
     flapping_compared_with_video,
@@ -20,8 +19,9 @@ from bluekoi.motor import (
     read_log,
     tail_beat_from_video,
     tail_beat_lag,
+    video_to_motor_frequency_ratio,
 )
-from bluekoi.motor.motor_log import log_coverage
+from bluekoi.motor.motor_log import motor_log_coverage
 from bluekoi.motor.shaft_angle import wrap_angle
 
 
@@ -199,7 +199,7 @@ def test_a_recording_that_begins_after_its_log_is_asked_for_its_frame_numbers(tm
     with pytest.raises(
         InputError, match=r"first frame used is at 33\.37 s: do frame numbers begin"
     ):
-        log_coverage(log, flapping_from_log(log), (33.37, 37.3))
+        motor_log_coverage(log, flapping_from_log(log), (33.37, 37.3))
 
 
 def test_rows_without_numbers_are_left_out(tmp_path):
@@ -260,7 +260,7 @@ def test_a_tail_seen_in_every_tenth_frame_shows_no_wrong_clock(hz):
         tail = 0.3 * np.sin(2 * np.pi * hz * t) + 0.3 * np.exp(-t / 3) + noise
         few = positions_with_tail_angles(t, tail)
         few = replace(few, likelihood=np.where(np.arange(300)[:, None] % 10, 0, few.likelihood))
-        ratio, std = clock_ratio(few, flapping_from_stated_frequency(hz))
+        ratio, std = video_to_motor_frequency_ratio(few, flapping_from_stated_frequency(hz))
         assert np.isnan(ratio) or abs(ratio - 1) < max(0.01, 3 * std)
 
 
@@ -287,7 +287,7 @@ def test_no_beat_is_nan():
 def test_tail_beat_follows_the_motor_through_spin_up():
     t = np.linspace(0, 6, 200)
     hz = 4.0 * (1 - np.exp(-t / 0.5))
-    motor = Flapping(4.0, 0.001, "motor_log", t, hz)
+    motor = FlappingFrequency(4.0, 0.001, "motor_log", t, hz)
     seen = positions_with_tail_beat(np.random.default_rng(13), 4.0)
     turns = np.interp(
         seen.time_s, t, np.concatenate([[0], np.cumsum(0.5 * (hz[1:] + hz[:-1]) * 6 / 199)])
@@ -302,7 +302,7 @@ def test_tail_beat_follows_the_motor_through_spin_up():
 
 
 def test_clocks_that_disagree_are_named_with_their_ratio():
-    motor = Flapping(4.0, 0.0005, "motor_log")
+    motor = FlappingFrequency(4.0, 0.0005, "motor_log")
     same = flapping_compared_with_video(motor, 1.0005, 0.0003)
     assert same.agrees
     assert same.video_hz == pytest.approx(4.002)
@@ -316,8 +316,8 @@ def test_clocks_that_disagree_are_named_with_their_ratio():
 @pytest.mark.parametrize("hz", [1.9, 5.8])
 def test_a_frame_rate_stated_too_high_by_a_factor_shows_in_the_ratio_of_the_clocks(factor, hz):
     seen = positions_with_tail_beat(np.random.default_rng(14), hz, frames=240)
-    motor = Flapping(hz, 1e-4 * hz, "motor_log")
-    ratio, std = clock_ratio(replace(seen, time_s=seen.time_s / factor), motor)
+    motor = FlappingFrequency(hz, 1e-4 * hz, "motor_log")
+    ratio, std = video_to_motor_frequency_ratio(replace(seen, time_s=seen.time_s / factor), motor)
     assert ratio == pytest.approx(factor, rel=1e-3)
     assert abs(ratio - factor) < 5 * std
 
@@ -328,7 +328,9 @@ def test_the_ratio_of_the_clocks_is_found_through_spin_up():
     turns = np.concatenate([[0], np.cumsum(0.5 * (hz[1:] + hz[:-1]) * np.diff(t))])
     video = np.arange(230) / 29.97
     beat = positions_with_tail_angles(video, 0.35 * np.sin(2 * np.pi * np.interp(video, t, turns)))
-    ratio, _ = clock_ratio(replace(beat, time_s=video / 4), Flapping(4.0, 1e-3, "log", t, hz))
+    ratio, _ = video_to_motor_frequency_ratio(
+        replace(beat, time_s=video / 4), FlappingFrequency(4.0, 1e-3, "log", t, hz)
+    )
     assert ratio == pytest.approx(4.0, rel=0.004)
 
 
@@ -336,11 +338,13 @@ def test_a_strong_harmonic_is_not_taken_for_the_beat():
     t = np.arange(240) / 29.97
     tail = 0.3 * np.sin(2 * np.pi * 2.4 * t) + 0.2 * np.sin(2 * np.pi * 4.8 * t)
     seen = positions_with_tail_angles(t, tail + np.random.default_rng(15).normal(0, 0.02, len(t)))
-    assert clock_ratio(seen, Flapping(2.4, 1e-3, "motor_log"))[0] == pytest.approx(1.0, rel=1e-3)
+    assert video_to_motor_frequency_ratio(seen, FlappingFrequency(2.4, 1e-3, "motor_log"))[
+        0
+    ] == pytest.approx(1.0, rel=1e-3)
 
 
 def flapping_with_ratio(value):
-    return Flapping(4.0, 0.001, "motor_log", ratio=value, agrees=abs(value - 1) < 0.01)
+    return FlappingFrequency(4.0, 0.001, "motor_log", ratio=value, agrees=abs(value - 1) < 0.01)
 
 
 def test_trials_agree_on_a_ratio_only_by_majority():

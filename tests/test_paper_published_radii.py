@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from bluekoi.design_space import steady_states
-from bluekoi.model import FLAP_HZ, TABLE_1, plates
-from bluekoi.tuning import growth_per_s
+from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, two_plate_system
+from bluekoi.tuning import straight_swimming_growth_per_s
 from paper_robot import PAPER_SETUP
 from published_radii import (
     POWERS_PCT,
@@ -35,7 +35,7 @@ def test_radii_and_speeds_rebuilt_from_tables_1_and_2(published) -> None:
 
 
 def test_one_set_makes_the_radius_independent_of_power() -> None:
-    values = plates().values(TABLE_1[75])[None]
+    values = two_plate_system().values(TABLE_1[75])[None]
     radii = steady_states(turn_and_straight_conditions(PAPER_SETUP)[:9], values).radius_m.reshape(
         3, 3
     )
@@ -77,9 +77,11 @@ def test_effects_that_are_quadratic_too_remove_nothing_of_the_dependence_on_powe
 
 @pytest.mark.parametrize("power", POWERS_PCT)
 def test_straight_swimming_without_and_with_the_second_plate(power: int) -> None:
-    alone = growth_per_s(TABLE_1[power], setup=PAPER_SETUP, flap_hz=FLAP_HZ[power])
-    with_fin = growth_per_s(
-        TABLE_1[power], setup=PAPER_SETUP, flap_hz=FLAP_HZ[power], effects=FIN_PARAMETERS
+    alone = straight_swimming_growth_per_s(
+        TABLE_1[power], setup=PAPER_SETUP, flap_hz=PUBLISHED_FLAP_HZ[power]
+    )
+    with_fin = straight_swimming_growth_per_s(
+        TABLE_1[power], setup=PAPER_SETUP, flap_hz=PUBLISHED_FLAP_HZ[power], effects=FIN_PARAMETERS
     )
     assert alone > 1.4
     assert with_fin < 0

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from bluekoi.data import PARTS, Positions
+from bluekoi.data import BODY_PART_NAMES, Positions
 from bluekoi.errors import InputError
-from bluekoi.pose import rigid_pose, unwrapped
+from bluekoi.pose import rigid_pose, unwrapped_angles
 from bluekoi.study import Robot
 from paper_robot import PAPER_ROBOT
 
@@ -35,7 +35,7 @@ def keypoint_positions(
     if not stated:
         cov[:] = np.nan
     shape = xy.shape[:2]
-    return Positions(np.arange(len(pose)) / 30, PARTS, xy, cov, np.ones(shape))
+    return Positions(np.arange(len(pose)) / 30, BODY_PART_NAMES, xy, cov, np.ones(shape))
 
 
 def changed_frames(given: Positions, **fields) -> Positions:
@@ -76,14 +76,14 @@ def test_a_long_stretch_of_poor_frames_loses_no_turn():
     true = 1.5 * t
     for poor in ((t > 4) & (t < 6.5), t > 7, t < 2):
         variance = np.where(poor, 1.21e-4, 1e-6)
-        found = unwrapped(np.angle(np.exp(1j * true)), variance)
+        found = unwrapped_angles(np.angle(np.exp(1j * true)), variance)
         assert np.ptp(found - true) < 1e-9
 
 
 @pytest.mark.parametrize("hz", [3.0, 10.0, 60.0])
 def test_a_fast_turn_in_few_frames_keeps_its_turns(hz):
     true = 2.5 * np.arange(0.0, 20.0, 1 / hz)
-    found = unwrapped(np.angle(np.exp(1j * true)), np.full(len(true), 1e-6))
+    found = unwrapped_angles(np.angle(np.exp(1j * true)), np.full(len(true), 1e-6))
     assert np.ptp(found - true) < 1e-9
 
 
@@ -93,7 +93,7 @@ def test_directions_that_are_not_known_wind_no_turn():
     shown, variance = true.copy(), np.full(200, 2e-5)
     shown[90:103] = np.linspace(1.0, 1.25 - 2 * np.pi, 13)
     variance[90:103] = 16.0
-    found = unwrapped(np.angle(np.exp(1j * shown)), variance)
+    found = unwrapped_angles(np.angle(np.exp(1j * shown)), variance)
     others = np.setdiff1d(np.arange(200), np.arange(90, 103))
     assert np.ptp((found - true)[others]) < 1e-9
 
@@ -106,7 +106,7 @@ def test_over_a_gap_the_heading_turns_on(rate, rows):
     true, gap = rate * times, (times > 4) & (times < 6.5)
     shown = np.where(gap, np.nan, np.angle(np.exp(1j * true)))
     kept = ~gap if rows == "absent" else np.ones(len(times), dtype=bool)
-    found = unwrapped(shown[kept], np.full(kept.sum(), 1e-5), times[kept])
+    found = unwrapped_angles(shown[kept], np.full(kept.sum(), 1e-5), times[kept])
     assert np.ptp((found - true[kept])[np.isfinite(found)]) < 1e-9
 
 
@@ -122,7 +122,7 @@ def test_the_tail_beat_winds_no_turn_over_a_gap(fps, beat, rate):
         true = rate * times + 0.2 * np.sin(2 * np.pi * beat * times + rng.uniform(0, 6.3))
         shown = np.angle(np.exp(1j * (true + rng.normal(0, 5e-3, len(times)))))
         shown[(times > first) & (times < first + long)] = np.nan
-        found = unwrapped(shown, np.full(len(times), 2.5e-5), times)
+        found = unwrapped_angles(shown, np.full(len(times), 2.5e-5), times)
         assert np.ptp((found - true)[np.isfinite(found)]) < 0.5
 
 
@@ -130,14 +130,18 @@ def test_a_poorly_stated_beginning_keeps_its_turns():
     times = np.arange(0.0, 10.0, 1 / 30)
     true = 2.5 * times
     noise = np.random.default_rng(2).normal(0, 0.3, len(times)) * (times < 3)
-    found = unwrapped(np.angle(np.exp(1j * (true + noise))), np.where(times < 3, 0.3, 1e-5), times)
+    found = unwrapped_angles(
+        np.angle(np.exp(1j * (true + noise))), np.where(times < 3, 0.3, 1e-5), times
+    )
     assert np.ptp(found - true) < 3.0
 
 
 def test_unwrapping_bears_few_frames_and_unknown_variances():
     nan = np.nan
-    assert unwrapped(np.array([nan, nan]), np.ones(2)) == pytest.approx([nan, nan], nan_ok=True)
-    assert unwrapped(np.array([3.0, -3.0]), np.array([nan, 1.0])) == pytest.approx(
+    assert unwrapped_angles(np.array([nan, nan]), np.ones(2)) == pytest.approx(
+        [nan, nan], nan_ok=True
+    )
+    assert unwrapped_angles(np.array([3.0, -3.0]), np.array([nan, 1.0])) == pytest.approx(
         [3.0, 2 * np.pi - 3.0]
     )
 
@@ -199,7 +203,7 @@ def test_scale_error_does_not_bend_the_angles():
 def test_a_part_missing_for_a_while_changes_nothing(lost):
     expected, given = circle_poses(), keypoint_positions(circle_poses())
     likelihood = given.likelihood.copy()
-    likelihood[100:200, PARTS.index(lost)] = 0.3
+    likelihood[100:200, BODY_PART_NAMES.index(lost)] = 0.3
     pose = rigid_pose(changed_frames(given, likelihood=likelihood), ROBOT, HEAD_M)
     assert np.allclose(pose.values[:, [0, 1, 3]], expected[:, [0, 1, 3]], atol=1e-9)
     assert np.all(np.isfinite(pose.cov))
@@ -208,7 +212,7 @@ def test_a_part_missing_for_a_while_changes_nothing(lost):
 def test_a_core_centre_never_seen_follows_from_the_robot():
     given = keypoint_positions(circle_poses(), scale=1.02)
     keep = [0, 1, 3]
-    names = tuple(PARTS[i] for i in keep)
+    names = tuple(BODY_PART_NAMES[i] for i in keep)
     fewer = Positions(
         given.time_s, names, given.xy_m[:, keep], given.cov_m2[:, keep], given.likelihood[:, keep]
     )
@@ -232,7 +236,7 @@ def test_frames_without_enough_points_are_nan_and_counted():
 def test_a_confident_wrong_point_is_left_out(part):
     expected, given = circle_poses(), keypoint_positions(circle_poses(), 0.0005)
     xy = given.xy_m.copy()
-    xy[50:60, PARTS.index(part)] += [0.05, -0.04]
+    xy[50:60, BODY_PART_NAMES.index(part)] += [0.05, -0.04]
     pose = rigid_pose(changed_frames(given, xy_m=xy), ROBOT, HEAD_M)
     assert np.abs(pose.values[50:60, :2] - expected[50:60, :2]).max() < 0.004
     assert any("left out in 10 frames" in remark for remark in pose.remarks)
@@ -246,7 +250,7 @@ def test_a_point_always_marked_beside_its_place_bends_all_frames_alike(offset_m,
     psi = expected[:, 2]
     beside = offset_m * np.column_stack([-np.sin(psi), np.cos(psi)])
     xy = given.xy_m.copy()
-    xy[:, PARTS.index("core_center")] += beside
+    xy[:, BODY_PART_NAMES.index("core_center")] += beside
     pose = rigid_pose(changed_frames(given, xy_m=xy), ROBOT, HEAD_M)
     bend = np.unwrap(pose.values[:, 2]) - psi
     bend -= 2 * np.pi * np.round(np.median(bend) / (2 * np.pi))
@@ -262,7 +266,9 @@ def test_a_point_that_wanders_is_not_taken_for_one_beside_its_place():
     expected = circle_poses()
     given = keypoint_positions(expected, 0.0012)
     xy = given.xy_m.copy()
-    xy[:, PARTS.index("core_center")] += np.random.default_rng(3).normal(0, 0.02, (300, 2))
+    xy[:, BODY_PART_NAMES.index("core_center")] += np.random.default_rng(3).normal(
+        0, 0.02, (300, 2)
+    )
     pose = rigid_pose(changed_frames(given, xy_m=xy), ROBOT, HEAD_M)
     assert not any("marked in the wrong place" in r for r in pose.remarks)
     assert any("left out" in r for r in pose.remarks)

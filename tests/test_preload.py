@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from bluekoi.study import load_study
-from bluekoi.study.setup import Detection
+from bluekoi.study.setup import DetectionSettings
 from bluekoi.workflow.plan import Plan
 from bluekoi.workflow.stage_call import stage_names
 from small_studies import small_study
@@ -23,9 +23,9 @@ from numba.core.dispatcher import Dispatcher
 from bluekoi.data import Frame
 from bluekoi.keypoints import silhouette
 from bluekoi.stages.compiling_detector import preload
-from bluekoi.study import Setup, Trial
+from bluekoi.study import StudySettings, Trial
 from bluekoi.synthetic.campaign import study_contents
-from bluekoi.synthetic.conditions import Conditions
+from bluekoi.synthetic.conditions import FilmingConditions
 from bluekoi.synthetic.design import demo_design
 from bluekoi.synthetic.footage import render_frames
 from bluekoi.synthetic.trial import solve_trial
@@ -38,12 +38,13 @@ def compiled():
 
 preload()
 before = compiled()
-design = replace(demo_design(), conditions=Conditions(size_px=(640, 360)))
+design = replace(demo_design(), conditions=FilmingConditions(size_px=(640, 360)))
 trial = solve_trial(design, "T20")
 few = replace(trial, time_s=trial.time_s[::8])
 film = [Frame(i, float(few.time_s[i]), p.luma) for i, p in enumerate(render_frames(design, few))]
 plan = trial.plan
-silhouette.detect(lambda: film, Setup(**study_contents(design), detection={"body": "rigid"}), Trial(
+settings = StudySettings(**study_contents(design), detection={"body": "rigid"})
+silhouette.detect_keypoints(lambda: film, settings, Trial(
     trial_id="T20", source="a.mp4", power_pct=plan.power_pct, head_angle_deg=plan.head_angle_deg,
     head_length_m=plan.head_length_m))
 print(json.dumps([before, compiled()]))
@@ -72,10 +73,10 @@ def test_what_is_preloaded_is_all_that_the_detector_compiles():
 @pytest.mark.parametrize(
     ("source", "detection", "expected"),
     [
-        ("T10.csv", Detection(), False),
-        ("T10.mp4", Detection(), True),
-        ("T10.mp4", Detection(body="bending"), False),
-        ("T10.mp4", Detection(source="markers"), False),
+        ("T10.csv", DetectionSettings(), False),
+        ("T10.mp4", DetectionSettings(), True),
+        ("T10.mp4", DetectionSettings(body="bending"), False),
+        ("T10.mp4", DetectionSettings(source="markers"), False),
     ],
 )
 def test_the_detector_is_loaded_only_where_it_is_run(tmp_path, source, detection, expected):

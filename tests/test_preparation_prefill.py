@@ -8,7 +8,7 @@ import yaml
 from bluekoi.preparation.prefill import (
     StudyFiles,
     blank_study_yaml,
-    condition_of_name,
+    condition_from_file_name,
     study_files,
     trial_rows,
     trials_csv,
@@ -57,8 +57,11 @@ def test_one_motor_log_is_not_given_to_two_recordings_of_one_name():
 
 
 def test_numbers_that_no_trial_has_are_not_taken_from_a_name():
-    assert condition_of_name("p999_phi-500") == {}
-    assert condition_of_name("p300_phi-120") == {"power_pct": "300", "head_angle_deg": "-120"}
+    assert condition_from_file_name("p999_phi-500") == {}
+    assert condition_from_file_name("p300_phi-120") == {
+        "power_pct": "300",
+        "head_angle_deg": "-120",
+    }
 
 
 def test_chapters_of_one_recording_make_one_row(tmp_path):
@@ -73,7 +76,7 @@ def test_chapters_of_one_recording_make_one_row(tmp_path):
      ("power-60", "60", None), ("phi+10_p5", "5", "10"), ("T01", None, None)],
 )  # fmt: skip
 def test_names_that_state_power_and_head_angle(name, power, angle):
-    found = condition_of_name(name)
+    found = condition_from_file_name(name)
     assert (found.get("power_pct"), found.get("head_angle_deg")) == (power, angle)
 
 

@@ -160,7 +160,7 @@ def test_the_preview_says_why_nothing_is_found(server):
 def test_the_preview_names_a_head_angle_of_the_wrong_sign(study_folder, monkeypatch):
     class Detector:
         @staticmethod
-        def detect(frames, setup, trial):
+        def detect_keypoints(frames, setup, trial):
             n, sure = len(list(frames())), 1.0 if trial.head_angle_deg == -20 else 0.0
             return Keypoints(np.arange(n) / 30, ("head_tip",), np.full((n, 1, 2), 100.0),
                              np.full((n, 1), sure), np.zeros((n, 1, 2, 2)))  # fmt: skip

@@ -15,9 +15,9 @@ from exact_campaign import campaign_with_damping_found, exact_campaign
 from bluekoi import figures
 from bluekoi.camera.plane_camera import homography_camera
 from bluekoi.campaign import Campaign
-from bluekoi.model import FLAP_HZ
-from bluekoi.report.findings import verdict, warnings
-from bluekoi.report.media import clips
+from bluekoi.model import PUBLISHED_FLAP_HZ
+from bluekoi.report.findings import campaign_warnings, verdict
+from bluekoi.report.media import embedded_overlay_clips
 from bluekoi.report.numbers import format_number, format_percent, value_with_interval
 from bluekoi.report.page import write_report
 
@@ -54,7 +54,10 @@ class Page(HTMLParser):
 
 
 def figure_texts() -> dict[str, tuple[str, str]]:
-    return {name: (figures.title(name), figures.caption(name)) for name in figures.figure_names()}
+    return {
+        name: (figures.figure_title(name), figures.figure_caption(name))
+        for name in figures.figure_names()
+    }
 
 
 def write_page(base: Campaign, folder: Path) -> str:
@@ -67,7 +70,7 @@ def write_page(base: Campaign, folder: Path) -> str:
 def campaign_with_causes() -> Campaign:
     base = campaign_with_damping_found(exact_campaign())
     first, *others = base.study.trials
-    clocked = (first.model_copy(update={"flap_hz": FLAP_HZ[first.power_pct]}), *others)
+    clocked = (first.model_copy(update={"flap_hz": PUBLISHED_FLAP_HZ[first.power_pct]}), *others)
     return replace(base, study=base.study.model_copy(update={"trials": clocked}))
 
 
@@ -168,17 +171,17 @@ def test_a_diverged_model_is_reported_as_diverging(tmp_path, campaign_with_cause
 
 
 def test_a_fit_that_determines_no_coefficient_gives_a_warning(campaign_with_causes):
-    (scale,) = warnings(
+    (scale,) = campaign_warnings(
         campaign_with_causes
     )  # its rigid lengths are 1.5 % off, and no cause says why
     assert "rigid lengths come out -1.5" in scale
     campaign_with_causes = Campaign(**{**campaign_with_causes.__dict__, "geometry": None})
-    assert warnings(campaign_with_causes) == []
+    assert campaign_warnings(campaign_with_causes) == []
     cells = campaign_with_causes.coefficients["joint"]["coefficients"]
     open_ = {name: {**cell, "determined": False} for name, cell in cells.items()}
     coefficients = {**campaign_with_causes.coefficients, "joint": {"coefficients": open_}}
     unsure = Campaign(**{**campaign_with_causes.__dict__, "coefficients": coefficients})
-    assert "determine none of the model's coefficients" in warnings(unsure)[0]
+    assert "determine none of the model's coefficients" in campaign_warnings(unsure)[0]
 
 
 def test_a_camera_without_calibration_is_a_warning_once_with_its_error(campaign_with_causes):
@@ -188,7 +191,7 @@ def test_a_camera_without_calibration_is_a_warning_once_with_its_error(campaign_
     statuses = {name: {"ok": True, "remarks": ["1 frame rejected", *camera.remarks]}
                 for name in ("T01", "T02")}  # fmt: skip
     base = Campaign(**{**campaign_with_causes.__dict__, "geometry": None, "statuses": statuses})
-    (warning,) = warnings(base)
+    (warning,) = campaign_warnings(base)
     assert warning == camera.remarks[0]
     assert " mm from an action camera's distortion: calibrate the camera" in warning
 
@@ -278,7 +281,7 @@ def test_videos_are_embedded_while_they_are_small(tmp_path, campaign_with_causes
         (folder / f"{name}.mp4").write_bytes(bytes(range(256)) * (size // 256))
     monkeypatch.setattr("bluekoi.report.media.MAX_CLIP_BYTES", 2000)
     monkeypatch.setattr("bluekoi.report.media.MAX_ALL_CLIPS_BYTES", 1200)
-    shown = clips(folder, tmp_path, campaign_with_causes)
+    shown = embedded_overlay_clips(folder, tmp_path, campaign_with_causes)
     assert [bool(clip.data) for clip in shown.values()] == [True, False, False, True]
     assert base64.b64decode(shown["T01"].data) == (folder / "T01.mp4").read_bytes()
     text = write_page(campaign_with_causes, tmp_path)

@@ -90,7 +90,10 @@ CUT_CAPTIONS_SCRIPT = """(() => [...document.querySelectorAll("caption")].filter
 
 
 def figure_texts() -> dict[str, tuple[str, str]]:
-    return {name: (figures.title(name), figures.caption(name)) for name in figures.figure_names()}
+    return {
+        name: (figures.figure_title(name), figures.figure_caption(name))
+        for name in figures.figure_names()
+    }
 
 
 def write_page(base: Campaign, folder: Path) -> Path:

@@ -33,7 +33,9 @@ def test_held_out_trials_are_named(held_out_campaign: Campaign) -> None:
     assert "<h3>Errors on held-out trials</h3>" in text
     assert "Held out: T02." in text
     assert text.count('<span class="tag">held out</span>') == 2
-    assert "Trials that no fit used." in figures.caption("mismatch_held_out", held_out_campaign)
+    assert "Trials that no fit used." in figures.figure_caption(
+        "mismatch_held_out", held_out_campaign
+    )
 
 
 def test_a_small_study_reports_no_trial_as_held_out(small_campaign: Campaign) -> None:
@@ -49,11 +51,12 @@ def test_a_small_study_reports_no_trial_as_held_out(small_campaign: Campaign) ->
 def test_the_figure_states_which_trials_it_shows(small_campaign: Campaign, tmp_path) -> None:
     name = "mismatch_held_out"
     assert (
-        figures.title(name, small_campaign) == "Fitted trials: errors of the model before and after"
+        figures.figure_title(name, small_campaign)
+        == "Fitted trials: errors of the model before and after"
     )
-    assert "no fit used" not in figures.caption(name, small_campaign)
-    assert "too small to hold trials out" in figures.caption(name, small_campaign)
-    assert "(A) Errors of the baseline model (before, orange)" in figures.caption(
+    assert "no fit used" not in figures.figure_caption(name, small_campaign)
+    assert "too small to hold trials out" in figures.figure_caption(name, small_campaign)
+    assert "(A) Errors of the baseline model (before, orange)" in figures.figure_caption(
         name, small_campaign
     )
     figures.draw_file(name, small_campaign, tmp_path / "a.png", tmp_path / "a.pdf")
@@ -66,8 +69,8 @@ def test_without_an_identified_cause_there_is_one_model(held_out_campaign: Campa
         **{**held_out_campaign.__dict__, "simulations": with_models_as_measured(held_out_campaign)}
     )
     none = Campaign(**{**held_out_campaign.__dict__, "mismatch": mismatch})
-    assert figures.title("mismatch_held_out", none) == "Held-out trials: errors of the model"
-    assert "Trials that no fit used. No cause was identified" in figures.caption(
+    assert figures.figure_title("mismatch_held_out", none) == "Held-out trials: errors of the model"
+    assert "Trials that no fit used. No cause was identified" in figures.figure_caption(
         "mismatch_held_out", none
     )
     assert legend_texts("mismatch_held_out", held_out_campaign) == [

@@ -44,7 +44,7 @@ def test_combinations_read_as_products_of_powers() -> None:
 
 
 def test_profile_is_drawn_from_left_to_right_through_the_fit(campaign) -> None:
-    (one,) = identifiability.profiles(campaign)
+    (one,) = identifiability.likelihood_profile_curves(campaign)
     points = one.points.split()
     assert points[0] == "0.0,0.0"
     assert "50.0,60.0" in points
@@ -64,7 +64,7 @@ def test_a_drawn_profile_is_a_smooth_curve_with_the_fit_at_its_bottom(campaign) 
     joint["identifiability"]["profiles"] = {
         "C_T": {"values": values, "lost": lost, "lower": None, "upper": None}
     }
-    (one,) = identifiability.profiles(campaign)
+    (one,) = identifiability.likelihood_profile_curves(campaign)
     x, y = np.array([p.split(",") for p in one.points.split()], dtype=float).T
     down = identifiability.CURVE_HEIGHT * (
         1 - 4.0 * ((x - one.value_x) / (one.value_x)) ** 2 / identifiability.MAX_DROP_SHOWN

@@ -16,8 +16,8 @@ from bluekoi.report.overlay_frame import (
     BEFORE_BGR,
     KEYPOINT_BGR,
     MEASURED_BGR,
-    Line,
-    Scene,
+    OverlayContent,
+    OverlayPath,
     annotated_frame,
     empty_pool,
 )
@@ -53,7 +53,7 @@ def test_paths_are_drawn_where_the_camera_sees_them(overlay_campaign):
     for prefix, offset in (("joint", 0.1), ("extended", -0.1)):
         shift |= {f"{prefix}_x_m": track.x_m + offset, f"{prefix}_y_m": track.y_m}
     lines = path_lines(camera, track, shift, 0.0)
-    scene = Scene("T02", (1920, 1080), lines, background=empty_pool(camera, 640))
+    scene = OverlayContent("T02", (1920, 1080), lines, background=empty_pool(camera, 640))
     picture = annotated_frame(scene.background.copy(), scene, float(track.time_s[60]), SCALE)
     x, y = track.x_m[40], track.y_m[40]
     assert [line.name for line in lines] == ["measured path", "model after", "model before"]
@@ -67,7 +67,9 @@ def test_paths_are_drawn_where_the_camera_sees_them(overlay_campaign):
 def test_dashes_leave_gaps_and_keep_to_the_line():
     time = np.linspace(0, 1, 50)
     way = np.column_stack([np.linspace(300, 1500, 50), np.full(50, 540.0)])
-    scene = Scene("x", (1920, 1080), (Line("model before", time, way, BEFORE_BGR, dashed=True),))
+    scene = OverlayContent(
+        "x", (1920, 1080), (OverlayPath("model before", time, way, BEFORE_BGR, dashed=True),)
+    )
     picture = annotated_frame(np.zeros((360, 640, 3), np.uint8), scene, 1.0, SCALE)
     drawn = (picture[STRIP_HEIGHT_PX + 180, 100:500] > 60).any(axis=1)
     assert 0.35 < drawn.mean() < 0.8
@@ -81,7 +83,7 @@ def test_only_confident_keypoints_of_the_moment_are_drawn():
         np.array([0.0, 1.0]), ("head_tip", "hinge"), xy, np.array([[0.99, 0.2], [0.99, 0.9]]),
         np.full((2, 2, 2, 2), np.nan),
     )  # fmt: skip
-    scene = Scene("x", (1920, 1080), (), keypoints=found)
+    scene = OverlayContent("x", (1920, 1080), (), keypoints=found)
     dark = np.zeros((360, 640, 3), np.uint8)
     first = annotated_frame(dark.copy(), scene, 0.0, SCALE)
     assert has_colour_near(first, (STRIP_HEIGHT_PX + 100, 200), KEYPOINT_BGR)
@@ -118,7 +120,7 @@ def test_frames_keep_their_times(tmp_path):
     grey = np.full((1080, 1920), 90, np.uint8)
     times = [2.0, 2.1, 2.2, 2.6, 2.601, 2.7]
     film = [Frame(i, t, grey) for i, t in enumerate(times)]
-    count = write_overlay(tmp_path / "a.mp4", Scene("x", (1920, 1080), ()), film, fps=10.0)
+    count = write_overlay(tmp_path / "a.mp4", OverlayContent("x", (1920, 1080), ()), film, fps=10.0)
     assert count == 8  # 2.0 to 2.7 at 10 a second, the gap filled, the double left out
     assert frame_rate(np.arange(5) / 59.94) == 30.0
     assert frame_rate(np.arange(5) / 24.0) == pytest.approx(24.0)

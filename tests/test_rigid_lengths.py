@@ -14,15 +14,15 @@ from bluekoi.camera.length_windows import (
     windows_from_columns,
     windows_to_columns,
 )
-from bluekoi.camera.rigid_distances import Distances
+from bluekoi.camera.rigid_distances import RigidDistances
 from bluekoi.files import to_json_types
-from bluekoi.fitting import Free, Series, SharedMeasurement
+from bluekoi.fitting import FreeParameter, SharedMeasurement, TrialSeries
 from bluekoi.fitting.side_measurements import side_measurement_terms
-from bluekoi.integrate import compiled, elementwise
-from bluekoi.mismatch.rigid_lengths import effects_on_lengths, length_measurement
-from bluekoi.model import plates
+from bluekoi.integrate import compile_system, elementwise
+from bluekoi.mismatch.rigid_lengths import effects_that_change_lengths, length_measurement
+from bluekoi.model import two_plate_system
 
-SYSTEM = plates()
+SYSTEM = two_plate_system()
 CAMERA_ERRORS = ("scale_error", "lens_error", "uncorrected_refraction", "sinking")
 VIEW_CONSTANTS = {
     "L_pool": 2.6,
@@ -41,11 +41,13 @@ LENGTHS_M = (0.12, 0.04, 0.16)
 LABEL_STD_M, TRIAL_STD, NOISE_M = 0.0007, 0.001, 0.0006
 
 
-def simulated_lengths(rng: np.random.Generator, trials: int = 16, frames: int = 150) -> Distances:
+def simulated_lengths(
+    rng: np.random.Generator, trials: int = 16, frames: int = 150
+) -> RigidDistances:
     """Right lengths along circles all over the pool, labelled to 0.7 mm, in trials whose scale
     varies by 0.1 %, with noise.
     """
-    rows: dict[str, list[np.ndarray]] = {name: [] for name in Distances.__dataclass_fields__}
+    rows: dict[str, list[np.ndarray]] = {name: [] for name in RigidDistances.__dataclass_fields__}
     labels = rng.normal(0, LABEL_STD_M, 3)
     for trial in range(trials):
         t = np.arange(frames) / 30.0
@@ -66,10 +68,12 @@ def simulated_lengths(rng: np.random.Generator, trials: int = 16, frames: int = 
                 "bend_rad": np.zeros(frames),
             }.items():  # fmt: skip
                 rows[name].append(values)
-    return Distances(**{name: np.concatenate(parts) for name, parts in rows.items()})
+    return RigidDistances(**{name: np.concatenate(parts) for name, parts in rows.items()})
 
 
-def lengths_with_error(distances: Distances, error: str, values: dict[str, float]) -> Distances:
+def lengths_with_error(
+    distances: RigidDistances, error: str, values: dict[str, float]
+) -> RigidDistances:
     """The lengths as a camera with an error sees them, by the effect's own displacement of ends."""
     effect = SYSTEM.effect(error)
     known = {p.argument: p.start if i >= effect.strengths else 0.0
@@ -88,7 +92,7 @@ def lengths_with_error(distances: Distances, error: str, values: dict[str, float
     return replace(distances, excess_m=distances.excess_m + grown)
 
 
-def length_measurement_of(distances: Distances, *, trials: int = 16) -> SharedMeasurement:
+def length_measurement_of(distances: RigidDistances, *, trials: int = 16) -> SharedMeasurement:
     found = length_measurement(
         SYSTEM, VIEW_CONSTANTS, window_means(distances), trials=trials, depth_given=True
     )
@@ -166,7 +170,7 @@ def test_a_label_that_is_off_is_not_taken_for_an_error_of_scale() -> None:
 
 
 def test_effects_whose_displacement_varies_over_the_picture_stretch_lengths() -> None:
-    assert {e.name for e in effects_on_lengths(SYSTEM)} == set(CAMERA_ERRORS)
+    assert {e.name for e in effects_that_change_lengths(SYSTEM)} == set(CAMERA_ERRORS)
 
 
 def test_few_lengths_are_no_measurement() -> None:
@@ -193,17 +197,17 @@ def test_windows_of_many_trials_grow_longer() -> None:
 
 
 def test_a_shared_measurement_counts_once_and_has_the_slopes_of_its_errors() -> None:
-    kernel = compiled(plates())
+    kernel = compile_system(two_plate_system())
     found = length_measurement_of(
         lengths_with_error(simulated_lengths(np.random.default_rng(5)), "scale_error", {"k": 0.02})
     )
     n, states = len(kernel.system.observations), len(kernel.system.all_states)
-    series = [Series(name, "", "", np.zeros(1), np.zeros((1, len(kernel.system.inputs))),
-                     np.zeros(len(kernel.system.constants)), np.zeros((1, n)), np.eye(n)[None],
-                     np.zeros(states), np.eye(states), shared=found)
+    series = [TrialSeries(name, "", "", np.zeros(1), np.zeros((1, len(kernel.system.inputs))),
+                          np.zeros(len(kernel.system.constants)), np.zeros((1, n)), np.eye(n)[None],
+                          np.zeros(states), np.eye(states), shared=found)
               for name in map(str, range(16))]  # fmt: skip
     point = kernel.system.values({})
-    free = [Free("scale_error.length_error"), Free("C_T")]
+    free = [FreeParameter("scale_error.length_error"), FreeParameter("C_T")]
     H, g, value = side_measurement_terms(kernel, series, free, [point] * 16)
     step, moved = 1e-4, point.copy()
     moved[kernel.system.slot[free[0].name]] += step
@@ -216,7 +220,9 @@ def test_a_shared_measurement_counts_once_and_has_the_slopes_of_its_errors() -> 
     assert not g[:, 1].any()
 
 
-@pytest.mark.parametrize("effect", effects_on_lengths(SYSTEM), ids=lambda effect: effect.name)
+@pytest.mark.parametrize(
+    "effect", effects_that_change_lengths(SYSTEM), ids=lambda effect: effect.name
+)
 def test_displacements_of_arrays_equal_those_of_each_place(effect) -> None:
     rng = np.random.default_rng(8)
     function = effect.hooks["observe"]

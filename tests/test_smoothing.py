@@ -9,7 +9,7 @@ import pytest
 
 from bluekoi.data import Pose
 from bluekoi.errors import InputError
-from bluekoi.smoothing import smooth
+from bluekoi.smoothing import smooth_pose
 from bluekoi.smoothing.speed import speed_and_std
 from exact_motions import (
     MOTIONS,
@@ -35,7 +35,7 @@ def rms(values) -> float:
 @pytest.mark.parametrize("name", list(MOTIONS))
 def test_rates_of_exact_motions(name):
     truth = MOTIONS[name](frame_times(150))
-    track = smooth(observed_pose(truth, np.random.default_rng(1), FAST_BEAT), FAST_BEAT.hz)
+    track = smooth_pose(observed_pose(truth, np.random.default_rng(1), FAST_BEAT), FAST_BEAT.hz)
     assert rms(track.speed_m_s - truth.speed) < 0.002
     assert rms(track.yaw_rate_rad_s - truth.yaw_rate) < 0.012
     assert rms(np.hypot(track.x_m - truth.xy[:, 0], track.y_m - truth.xy[:, 1])) < 0.0008
@@ -43,7 +43,7 @@ def test_rates_of_exact_motions(name):
 
 
 def test_velocity_is_the_derivative_of_the_position():
-    track = smooth(
+    track = smooth_pose(
         observed_pose(circle(frame_times(150)), np.random.default_rng(2), FAST_BEAT), FAST_BEAT.hz
     )
     moved = np.gradient(track.x_m, track.time_s)[2:-2]
@@ -58,7 +58,9 @@ def test_no_bias_at_the_start_from_rest(make):
     errors, deviations = [], []
     for seed in range(5):
         truth = make(frame_times(120))
-        track = smooth(observed_pose(truth, np.random.default_rng(seed), FAST_BEAT), FAST_BEAT.hz)
+        track = smooth_pose(
+            observed_pose(truth, np.random.default_rng(seed), FAST_BEAT), FAST_BEAT.hz
+        )
         errors.append(track.speed_m_s[:10] - truth.speed[:10])
         deviations.append(track.speed_m_s_std[:10])
     assert abs(np.mean(errors)) < max(0.002, 1.5 * np.mean(deviations))
@@ -69,7 +71,9 @@ def test_no_bias_at_the_start_of_a_fast_straight_run():
     """0.61 m/s from rest within a second, the hardest start: at rest in the first frame."""
     for seed in range(4):
         truth = start_from_rest(frame_times(150), final=0.61, tau=0.6)
-        track = smooth(observed_pose(truth, np.random.default_rng(seed), FAST_BEAT), FAST_BEAT.hz)
+        track = smooth_pose(
+            observed_pose(truth, np.random.default_rng(seed), FAST_BEAT), FAST_BEAT.hz
+        )
         assert track.speed_m_s[0] < max(0.015, 3 * track.speed_m_s_std[0])
         error = track.speed_m_s - truth.speed
         assert abs(error[:15].mean()) < 0.01
@@ -78,7 +82,7 @@ def test_no_bias_at_the_start_of_a_fast_straight_run():
 
 def test_a_body_already_moving_is_not_taken_to_start_from_rest():
     truth = straight_line(frame_times(120), speed=0.3)
-    track = smooth(observed_pose(truth, np.random.default_rng(3), FAST_BEAT), FAST_BEAT.hz)
+    track = smooth_pose(observed_pose(truth, np.random.default_rng(3), FAST_BEAT), FAST_BEAT.hz)
     assert track.speed_m_s[0] == pytest.approx(0.3, abs=4 * track.speed_m_s_std[0])
     assert track.speed_m_s_std[0] < 0.01
 
@@ -91,7 +95,7 @@ def pulls():
         for repeat in range(5):
             truth = make(frame_times(120))
             pose = observed_pose(truth, np.random.default_rng([seed, repeat]), FAST_BEAT)
-            track = smooth(pose, FAST_BEAT.hz)
+            track = smooth_pose(pose, FAST_BEAT.hz)
             rows.append(
                 [
                     (track.speed_m_s - truth.speed) / track.speed_m_s_std,
@@ -117,7 +121,7 @@ def test_a_body_that_wanders_is_known_less_well_and_says_so():
     for seed in range(6):
         truth = random_turn(frame_times(150), np.random.default_rng([7, seed]))
         pose = observed_pose(truth, np.random.default_rng([8, seed]), FAST_BEAT)
-        track = smooth(pose, FAST_BEAT.hz)
+        track = smooth_pose(pose, FAST_BEAT.hz)
         speed.append((track.speed_m_s - truth.speed) / track.speed_m_s_std)
         rate.append((track.yaw_rate_rad_s - truth.yaw_rate) / track.yaw_rate_rad_s_std)
     assert 0.9 < rms(np.concatenate(speed)) < 1.3
@@ -141,7 +145,7 @@ def test_errors_that_last_are_not_taken_for_motion():
     speed, rate, pulls = [], [], []
     for seed, make in enumerate([*MOTIONS.values(), *MOTIONS.values()]):
         truth, pose = observed_with_autocorrelated_errors(make, seed)
-        track = smooth(pose, FAST_BEAT.hz)
+        track = smooth_pose(pose, FAST_BEAT.hz)
         speed.append(track.speed_m_s - truth.speed)
         rate.append(track.yaw_rate_rad_s - truth.yaw_rate)
         pulls.append(speed[-1] / track.speed_m_s_std)
@@ -158,14 +162,14 @@ def test_a_line_is_no_start_from_rest_where_errors_last():
         truth = make(frame_times(120))
         stated = observed_pose(truth, rng, FAST_BEAT)
         pose = with_autocorrelated_noise(stated, observed_pose(truth, rng, clean), rng, 0.6)
-    assert rms(smooth(pose, FAST_BEAT.hz).speed_m_s - truth.speed) < 0.001
+    assert rms(smooth_pose(pose, FAST_BEAT.hz).speed_m_s - truth.speed) < 0.001
 
 
 def test_the_recoil_is_the_recoil_where_errors_last():
     _, pose = observed_with_autocorrelated_errors(circle, 3)
-    track = smooth(pose, 0.0)
+    track = smooth_pose(pose, 0.0)
     assert not track.recoil.any()
-    beating = smooth(pose, FAST_BEAT.hz)
+    beating = smooth_pose(pose, FAST_BEAT.hz)
     across = np.column_stack([-np.sin(beating.heading_rad), np.cos(beating.heading_rad)])
     sway = (beating.recoil[:, :2] * across).sum(axis=1)
     assert np.sqrt(2) * sway.std() == pytest.approx(0.004, rel=0.15)
@@ -177,7 +181,7 @@ def test_recoil_is_what_was_taken_out():
         hz=2.37, sway_m=0.004, surge_m=0.0, yaw_rad=0.05, outliers=0.0, gap_s=(9, 9)
     )
     pose = observed_pose(truth, np.random.default_rng(4), seen)
-    track = smooth(pose, 2.37)
+    track = smooth_pose(pose, 2.37)
     across = np.column_stack([-np.sin(track.heading_rad), np.cos(track.heading_rad)])
     sway = (track.recoil[:, :2] * across).sum(axis=1)
     assert np.sqrt(2) * sway.std() == pytest.approx(0.004, rel=0.1)
@@ -189,7 +193,7 @@ def test_recoil_is_what_was_taken_out():
 def test_gap_is_bridged_with_growing_deviation():
     truth = start_into_circle(frame_times(200))
     seen = CameraConditions(hz=5.82, gap_s=(3.0, 4.0))
-    track = smooth(observed_pose(truth, np.random.default_rng(5), seen), 5.82)
+    track = smooth_pose(observed_pose(truth, np.random.default_rng(5), seen), 5.82)
     inside = (track.time_s >= 3.0) & (track.time_s < 4.0)
     middle = track.x_m_std[inside][len(track.x_m_std[inside]) // 2]
     assert middle > 1.3 * np.median(track.x_m_std[~inside])
@@ -204,8 +208,8 @@ def test_wrong_points_do_not_pull_the_path():
     values = clean.values.copy()
     values[[0, 40, 41, 42, 90, 149], :2] += 0.08
     values[[20, 60], 2] += 1.0
-    track = smooth(Pose(clean.time_s, values, clean.cov), 5.82)
-    better = smooth(clean, 5.82)
+    track = smooth_pose(Pose(clean.time_s, values, clean.cov), 5.82)
+    better = smooth_pose(clean, 5.82)
     assert rms(track.x_m - better.x_m) < 0.001
     assert rms(track.yaw_rate_rad_s - truth.yaw_rate) < 0.02
     assert any("8 frames rejected" in remark for remark in track.remarks)
@@ -215,22 +219,22 @@ def test_frames_of_variable_rate():
     rng = np.random.default_rng(7)
     t = np.cumsum(rng.choice([1 / 30, 1 / 15, 1 / 60], 150))
     truth = circle(t - t[0])
-    track = smooth(observed_pose(truth, rng, CameraConditions(hz=2.37, gap_s=(99, 99))), 2.37)
+    track = smooth_pose(observed_pose(truth, rng, CameraConditions(hz=2.37, gap_s=(99, 99))), 2.37)
     assert rms(track.speed_m_s - truth.speed) < 0.003
 
 
 def test_covariances_that_are_stated_wrong_are_found_out():
     truth = circle(frame_times(150))
     pose = observed_pose(truth, np.random.default_rng(8), FAST_BEAT)
-    reported = smooth(pose, 5.82)
-    misled = smooth(Pose(pose.time_s, pose.values, pose.cov / 9), 5.82)
+    reported = smooth_pose(pose, 5.82)
+    misled = smooth_pose(Pose(pose.time_s, pose.values, pose.cov / 9), 5.82)
     assert np.median(misled.x_m_std) == pytest.approx(np.median(reported.x_m_std), rel=0.35)
 
 
 def test_a_body_that_does_not_beat():
     truth = circle(frame_times(100))
     seen = CameraConditions(5.0, 0.0, 0.0, 0.0, gap_s=(9, 9))
-    track = smooth(observed_pose(truth, np.random.default_rng(9), seen), float("nan"))
+    track = smooth_pose(observed_pose(truth, np.random.default_rng(9), seen), float("nan"))
     assert not track.recoil.any()
     assert rms(track.speed_m_s - truth.speed) < 0.002
 
@@ -238,7 +242,7 @@ def test_a_body_that_does_not_beat():
 def test_less_than_one_beat_is_no_recoil():
     truth = circle(frame_times(100))
     seen = CameraConditions(5.0, 0.0, 0.0, 0.0, gap_s=(9, 9))
-    track = smooth(observed_pose(truth, np.random.default_rng(9), seen), 1e-6)
+    track = smooth_pose(observed_pose(truth, np.random.default_rng(9), seen), 1e-6)
     assert not track.recoil.any()
     assert rms(track.speed_m_s - truth.speed) < 0.002
 
@@ -249,13 +253,13 @@ def test_units_do_not_matter():
     pose = observed_pose(truth, np.random.default_rng(10), FAST_BEAT)
     scale = np.diag([1000.0, 1000.0, 1.0, 1.0])
     small = Pose(pose.time_s / 30, pose.values @ scale, scale @ pose.cov @ scale)
-    one, other = smooth(pose, 5.82), smooth(small, 30 * 5.82)
+    one, other = smooth_pose(pose, 5.82), smooth_pose(small, 30 * 5.82)
     assert other.speed_m_s / 30000 == pytest.approx(one.speed_m_s, abs=2e-4)
     assert other.yaw_rate_rad_s / 30 == pytest.approx(one.yaw_rate_rad_s, abs=2e-3)
 
 
 def test_head_angle():
-    track = smooth(
+    track = smooth_pose(
         observed_pose(straight_line(frame_times(100)), np.random.default_rng(11), FAST_BEAT), 5.82
     )
     assert track.head_angle_rad == pytest.approx(0.5, abs=0.01)
@@ -266,7 +270,7 @@ def test_too_few_frames():
     pose = observed_pose(at_rest(frame_times(30)), np.random.default_rng(12))
     values = np.where(np.arange(30)[:, None] < 5, pose.values, np.nan)
     with pytest.raises(InputError, match="5 frames with a pose"):
-        smooth(Pose(pose.time_s, values, pose.cov), 2.37)
+        smooth_pose(Pose(pose.time_s, values, pose.cov), 2.37)
 
 
 def test_speed_deviation_is_the_delta_method_far_from_rest_and_honest_at_rest():
@@ -287,6 +291,6 @@ def test_head_never_seen_leaves_the_rest():
     pose = observed_pose(straight_line(frame_times(60)), np.random.default_rng(13), FAST_BEAT)
     values = pose.values.copy()
     values[:, 3] = np.nan
-    track = smooth(Pose(pose.time_s, values, pose.cov), 5.82)
+    track = smooth_pose(Pose(pose.time_s, values, pose.cov), 5.82)
     assert np.isnan(track.head_angle_rad).all()
     assert track.speed_m_s == pytest.approx(0.3, abs=0.01)

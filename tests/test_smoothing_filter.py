@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from bluekoi.data import Mask
+from bluekoi.data import BoolNDArray
 from bluekoi.smoothing import kalman_numba
 from bluekoi.smoothing.coloured_noise import with_coloured_noise
 from bluekoi.smoothing.grid import filter_grid
@@ -17,7 +17,7 @@ from bluekoi.smoothing.kalman_filterpy import (
 )
 from bluekoi.smoothing.linear_gaussian import LinearGaussianModel, SmoothedStates
 from bluekoi.smoothing.motion import heading_matrices, planar_matrices, planar_measurement
-from bluekoi.smoothing.nominal_motion import rough_speed, steady_motion
+from bluekoi.smoothing.nominal_motion import nominal_motion_without_onset, rough_speed
 from bluekoi.smoothing.quasi_newton import minimise
 from exact_motions import CameraConditions, circle, frame_times, observed_pose, start_from_rest
 
@@ -41,7 +41,7 @@ def planar_model(recoil: bool) -> tuple[LinearGaussianModel, np.ndarray]:
     return LinearGaussianModel(F, Q, H, pose.cov[:, :2, :2], z, np.zeros(d), P0), used
 
 
-def filterpy_smoother(model: LinearGaussianModel, used: Mask) -> SmoothedStates:
+def filterpy_smoother(model: LinearGaussianModel, used: BoolNDArray) -> SmoothedStates:
     """The same by filterpy's own smoother, for chains whose process noise is not singular.
 
     Source: Rauch, Tung, Striebel, AIAA Journal 3 (1965) 1445, eqs. 3.28 to 3.31.
@@ -112,7 +112,7 @@ def test_motion_without_process_noise_is_smoothed():
 
 def test_mean_motion_solves_its_differential_equation():
     tau, dt = 0.8, 0.033
-    F, Q = heading_matrices(NOISE, np.array([0.0, dt]), 0.0, steady_motion(2))
+    F, Q = heading_matrices(NOISE, np.array([0.0, dt]), 0.0, nominal_motion_without_onset(2))
     A = np.array([[0, 1, 0], [0, 0, 1], [0, 0, -1 / tau]])
     assert F[1] == pytest.approx(expm(A * dt), abs=1e-12)
     fine = np.linspace(0, dt, 4001)
@@ -128,7 +128,9 @@ def test_a_steady_turn_is_exact_over_one_step():
     """Surge and sway constant, heading turning: the step ends on the circle."""
     w, dt, speed = 1.5, 0.05, 0.4
     theta = np.array([0.3, 0.3 + w * dt])
-    F, _ = planar_matrices(PLANAR_NOISE, np.array([0.0, dt]), 0.0, steady_motion(2), theta)
+    F, _ = planar_matrices(
+        PLANAR_NOISE, np.array([0.0, dt]), 0.0, nominal_motion_without_onset(2), theta
+    )
     state = np.array([0.0, 0.0, speed, 0.0, 0.0, 0.0])
     radius = speed / w
     expected = radius * np.array(
@@ -155,11 +157,11 @@ def test_a_start_against_quadratic_drag_needs_no_process_noise():
 
 def test_noise_of_surge_and_sway_turns_with_the_body():
     """Heading along y: what disturbs surge moves y, and sway's share of it moves x."""
-    course = steady_motion(2)
+    course = nominal_motion_without_onset(2)
     course[:, 2] = 1e-3
     dt, theta = np.array([0.0, 0.05]), np.full(2, np.pi / 2)
     _, Q = planar_matrices(PLANAR_NOISE, dt, 0.0, course, theta)
-    _, along = heading_matrices(NOISE, dt, 0.0, steady_motion(2))
+    _, along = heading_matrices(NOISE, dt, 0.0, nominal_motion_without_onset(2))
     assert Q[1, 1, 1] == pytest.approx(along[1, 0, 0])
     assert Q[1, 3, 3] == pytest.approx(0.3 * along[1, 1, 1] + 1e-3 * 0.05, rel=1e-9)
     assert Q[1, 0, 0] == pytest.approx(Q[1, 3, 3] * 0.05**2 / 3, rel=0.01)
@@ -192,8 +194,8 @@ def test_errors_that_last_are_correlated_as_stated():
 
 
 def test_recoil_keeps_its_variance():
-    _, Q = heading_matrices(NOISE, np.full(400, 0.033), 2.37, steady_motion(400))
-    F, _ = heading_matrices(NOISE, np.full(400, 0.033), 2.37, steady_motion(400))
+    _, Q = heading_matrices(NOISE, np.full(400, 0.033), 2.37, nominal_motion_without_onset(400))
+    F, _ = heading_matrices(NOISE, np.full(400, 0.033), 2.37, nominal_motion_without_onset(400))
     P = np.zeros((2, 2))
     for k in range(1, 400):
         P = F[k, 3:, 3:] @ P @ F[k, 3:, 3:].T + Q[k, 3:, 3:]

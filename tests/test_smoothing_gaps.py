@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from bluekoi.data import Pose
-from bluekoi.smoothing import smooth, smooth_with_noise_ratio
-from bluekoi.smoothing.gaps import true_runs, with_calibrated_gaps
+from bluekoi.smoothing import smooth_pose, smooth_with_noise_ratio
+from bluekoi.smoothing.gaps import index_ranges_of_true, with_calibrated_gaps
 from bluekoi.smoothing.kalman_numba import compiled_filter_and_smooth
 from bluekoi.smoothing.linear_gaussian import LinearGaussianModel
 from exact_motions import CameraConditions, circle, frame_times, observed_pose, random_turn
@@ -98,7 +98,7 @@ def test_deviations_over_gaps_hold_on_known_motions(make):
         pose = observed_pose(
             truth, np.random.default_rng([52, seed]), CameraConditions(5.82, gap_s=(2.0, 2.5))
         )
-        track = smooth(pose, 5.82)
+        track = smooth_pose(pose, 5.82)
         at = np.isnan(pose.values[:, 0])
         pulls.append((track.x_m - truth.xy[:, 0])[at] / track.x_m_std[at])
         pulls.append((track.y_m - truth.xy[:, 1])[at] / track.y_m_std[at])
@@ -128,4 +128,4 @@ def test_the_variance_over_a_gap_becomes_that_of_the_motion(std):
 
 
 def test_runs_of_a_mask():
-    assert true_runs(np.array([True, False, True, True])) == [(0, 1), (2, 4)]
+    assert index_ranges_of_true(np.array([True, False, True, True])) == [(0, 1), (2, 4)]

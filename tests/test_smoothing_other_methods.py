@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import other_smoothers
-from bluekoi.smoothing import smooth
+from bluekoi.smoothing import smooth_pose
 from exact_motions import MOTIONS, CameraConditions, frame_times, observed_pose
 
 FRAMES, SEEN = 150, CameraConditions(hz=5.82, gap_s=(2.0, 2.3))
@@ -30,7 +30,7 @@ def rms_errors(cases, method) -> np.ndarray:
 
 
 def our_rates(pose):
-    track = smooth(pose, SEEN.hz)
+    track = smooth_pose(pose, SEEN.hz)
     return np.column_stack([track.vx_m_s, track.vy_m_s]), track.yaw_rate_rad_s
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from bluekoi.data import Pose, Positions
 from bluekoi.motor import tail_beat_from_video
-from bluekoi.smoothing import smooth
+from bluekoi.smoothing import smooth_pose
 from keypoint_files import read_all_parts
 
 MM_PER_PX = 0.0222
@@ -52,7 +52,7 @@ def test_distance_of_the_smoothed_path(larva):
     heading = np.unwrap(np.arctan2(*(snout - middle).T[::-1]))
     values = np.column_stack([middle, heading, np.zeros(len(middle))])[: start + 100]
     cov = np.tile(np.diag([1e-4, 1e-4, 1e-3, 1e-4]), (len(values), 1, 1))
-    track = smooth(Pose(found.time_s[: start + 100], values, cov), 0.0)
+    track = smooth_pose(Pose(found.time_s[: start + 100], values, cov), 0.0)
     at = slice(start, start + 61)
     body = float(result["BL.mm"])
     theirs = float(result["overall.dist.BL"])

@@ -15,14 +15,14 @@ from bluekoi.files import read_json, write_json
 from bluekoi.motor import trial_flapping
 from bluekoi.motor.swimming_plausibility import (
     PLAUSIBLE_RANGES,
+    clock_and_length_warnings,
     implausible_numbers,
-    study_warnings,
     swimming_numbers,
     tail_warnings,
 )
 from bluekoi.pose import rigid_pose
 from bluekoi.pose.plausibility import plausibility_findings
-from bluekoi.smoothing import smooth
+from bluekoi.smoothing import smooth_pose
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.outcome import outcome
 from bluekoi.stages.status import with_numerical_failures_explained
@@ -46,7 +46,7 @@ def analyse_trial(study, trial, positions):
     pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
     if wrong := plausibility_findings(study, trial, positions, pose):
         raise InputError(wrong)
-    steady = steady_state(smooth(pose, flapping.flap_hz), flapping, trial.head_angle_rad)
+    steady = steady_state(smooth_pose(pose, flapping.flap_hz), flapping, trial.head_angle_rad)
     return steady, swimming_numbers(steady, flapping, positions, study.setup.robot)
 
 
@@ -104,10 +104,10 @@ def test_warnings_group_the_trials_that_share_a_doubt():
         "C": status_with_ratio(0.5),
         "D": status_with_ratio(1.0),
     }
-    first, second = study_warnings({**statuses, "E": {"ok": False}})
+    first, second = clock_and_length_warnings({**statuses, "E": {"ok": False}})
     assert first.startswith("trials A, B: the tail beats 4.005 times as fast")
     assert second.startswith("trial C: the tail beats 0.5 times as fast")
-    (slow,) = study_warnings(
+    (slow,) = clock_and_length_warnings(
         {"A": status_with_ratio(froude=0.2, strouhal=4.0), "B": status_with_ratio(froude=0.2)}
     )
     assert slow.startswith("trial A: a Strouhal number of 4 (plausible: 0.1 to 2). Check fps")

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bluekoi.data import Steady, Track
+from bluekoi.data import SteadyState, Track
 from bluekoi.errors import InputError
 from bluekoi.motor import flapping_from_stated_frequency
-from bluekoi.smoothing import smooth
+from bluekoi.smoothing import smooth_pose
 from bluekoi.steady import fit_circle, fit_plateau, read_steady, steady_state, write_steady
 from exact_motions import (
     CameraConditions,
@@ -25,8 +25,10 @@ from exact_motions import (
 CONDITIONS = CameraConditions(hz=5.82, gap_s=(2.0, 2.3))
 
 
-def steady_state_of(truth, head_deg=0.0, seed=1) -> Steady:
-    track = smooth(observed_pose(truth, np.random.default_rng(seed), CONDITIONS), CONDITIONS.hz)
+def steady_state_of(truth, head_deg=0.0, seed=1) -> SteadyState:
+    track = smooth_pose(
+        observed_pose(truth, np.random.default_rng(seed), CONDITIONS), CONDITIONS.hz
+    )
     return steady_state(track, flapping_from_stated_frequency(5.82), np.radians(head_deg))
 
 
@@ -93,7 +95,7 @@ def test_turn_from_rest_either_way(mirrored):
     truth = start_into_circle(frame_times(180))
     pose = observed_pose(truth, np.random.default_rng(6), CONDITIONS)
     values = pose.values * np.array([1.0, mirrored, mirrored, 1.0])
-    track = smooth(type(pose)(pose.time_s, values, pose.cov), CONDITIONS.hz)
+    track = smooth_pose(type(pose)(pose.time_s, values, pose.cov), CONDITIONS.hz)
     found = steady_state(track, flapping_from_stated_frequency(5.82), np.radians(30))
     assert found.quality == "good"
     assert found.turn == mirrored
@@ -169,7 +171,7 @@ def test_water_that_moves_shows_against_speed_over_yaw_rate():
     pose = observed_pose(truth, np.random.default_rng(7), CONDITIONS)
     values = pose.values.copy()
     values[:, 2] *= 1.15
-    track = smooth(type(pose)(pose.time_s, values, pose.cov), CONDITIONS.hz)
+    track = smooth_pose(type(pose)(pose.time_s, values, pose.cov), CONDITIONS.hz)
     found = steady_state(track, flapping_from_stated_frequency(5.82), np.radians(30))
     assert "the water may move" in found.reason
 

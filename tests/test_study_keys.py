@@ -6,12 +6,12 @@ import pytest
 from click.testing import CliRunner
 
 from bluekoi.cli import main
-from bluekoi.study.key_reference import explain_key, keys
+from bluekoi.study.key_reference import explain_key, setting_keys
 
 UNITS = {"_m": "m", "_kg": "kg", "_s": "s", "_hz": "Hz", "_deg": "deg", "_px": "px", "_pct": "%"}
 
 
-@pytest.mark.parametrize("key", keys(), ids=lambda key: key.name)
+@pytest.mark.parametrize("key", setting_keys(), ids=lambda key: key.name)
 def test_every_key_has_a_meaning_and_the_unit_of_its_name(key):
     assert key.meaning.endswith(".")
     stated = {unit for suffix, unit in UNITS.items() if key.name.endswith(suffix)}

@@ -13,11 +13,11 @@ from bluekoi.synthetic.optics import (
     displaced_camera,
     downward_rotation,
     gopro_like_camera,
+    pixels_to_pool_points,
     pool_corners,
-    project,
+    pool_points_to_pixels,
     resized_camera,
     surface_point,
-    to_pool,
 )
 
 POOL = (2.6, 1.6)
@@ -51,7 +51,7 @@ def test_a_point_right_below_the_camera_is_not_bent() -> None:
 @pytest.mark.parametrize("depth_m", [0.0, 0.04, 0.3])
 def test_pixel_and_back(lens: str, depth_m: float) -> None:
     camera, points = gopro_like_camera(lens), random_points(depth_m)
-    back = to_pool(camera, project(camera, points), depth_m)
+    back = pixels_to_pool_points(camera, pool_points_to_pixels(camera, points), depth_m)
     assert np.abs(back - points[:, :2]).max() < 1e-9
 
 
@@ -68,7 +68,7 @@ def test_lens_agrees_with_opencv_above_water(lens: str) -> None:
     pixels, _ = model.projectPoints(
         points[:, None, :], turn, shift, matrix, np.array(camera.distortion)
     )
-    assert np.abs(project(camera, points) - pixels[:, 0]).max() < 1e-6
+    assert np.abs(pool_points_to_pixels(camera, points) - pixels[:, 0]).max() < 1e-6
 
 
 def test_image_is_upright_and_not_mirrored() -> None:
@@ -80,8 +80,8 @@ def test_image_is_upright_and_not_mirrored() -> None:
 
 def test_a_larger_picture_shows_the_same_field() -> None:
     camera, points = gopro_like_camera(), random_points(0.04)
-    large = project(resized_camera(camera, (3840, 2160)), points)
-    assert np.allclose((large + 0.5) / 2 - 0.5, project(camera, points), atol=1e-9)
+    large = pool_points_to_pixels(resized_camera(camera, (3840, 2160)), points)
+    assert np.allclose((large + 0.5) / 2 - 0.5, pool_points_to_pixels(camera, points), atol=1e-9)
 
 
 def test_a_displacement_moves_the_picture_by_its_angle() -> None:
@@ -89,9 +89,9 @@ def test_a_displacement_moves_the_picture_by_its_angle() -> None:
         gopro_like_camera(), rotation=downward_rotation(0, 0, 0), distortion=(0.0,) * 5
     )
     displaced = displaced_camera(camera, (0.0, 0.0, 0.0), (0.0, 0.25, 0.0))
-    middle = to_pool(camera, np.array([camera.middle_px]), 0.0)
+    middle = pixels_to_pool_points(camera, np.array([camera.middle_px]), 0.0)
     place = np.array([[middle[0, 0], middle[0, 1], 0.0]])
-    moved = project(displaced, place)[0] - np.array(camera.middle_px)
+    moved = pool_points_to_pixels(displaced, place)[0] - np.array(camera.middle_px)
     assert np.hypot(*moved) == pytest.approx(camera.focal_px[0] * np.tan(np.radians(0.25)))
 
 
@@ -115,6 +115,9 @@ def test_refraction_oracle_aquacal(recordings) -> None:
         index_water=setup["n_water"],
     )
     points = np.column_stack([rows[:, 0], -rows[:, 1], water - rows[:, 2]])
-    assert np.abs(project(camera, points) - rows[:, 4:6]).max() < 2e-6
+    assert np.abs(pool_points_to_pixels(camera, points) - rows[:, 4:6]).max() < 2e-6
     for row, point in zip(rows, points, strict=True):
-        assert np.abs(to_pool(camera, row[None, 4:6], row[3])[0] - point[:2]).max() < 1e-8
+        assert (
+            np.abs(pixels_to_pool_points(camera, row[None, 4:6], row[3])[0] - point[:2]).max()
+            < 1e-8
+        )

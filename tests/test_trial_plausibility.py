@@ -16,19 +16,23 @@ from exact_campaign import exact_campaign
 from bluekoi.camera import pool_camera
 from bluekoi.camera.length_warnings import MIN_LENGTH_ERROR_SHARE, length_warnings
 from bluekoi.cli import main
-from bluekoi.data import Flapping, Pose, Steady, Track
+from bluekoi.data import FlappingFrequency, Pose, SteadyState, Track
 from bluekoi.data.majority import deviations_from_majority
 from bluekoi.errors import InputError
 from bluekoi.files import read_json
-from bluekoi.keypoints.deeplabcut import read, write
-from bluekoi.motor import clock_ratio, flapping_compared_with_video, trial_flapping
+from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial, write_keypoints_csv
+from bluekoi.motor import (
+    flapping_compared_with_video,
+    trial_flapping,
+    video_to_motor_frequency_ratio,
+)
 from bluekoi.motor.power_consistency import power_warnings
 from bluekoi.pose import rigid_pose
-from bluekoi.pose.plausibility import first_jump, plausibility_findings, plausible_pose
+from bluekoi.pose.plausibility import checked_rigid_pose, first_jump, plausibility_findings
 from bluekoi.pose.trial_comparison import comparison_warnings
 from bluekoi.preparation.input_check import check_files, file_findings
 from bluekoi.stages.geometry import geometry
-from bluekoi.stages.head_angle_sign import sign_finding
+from bluekoi.stages.head_angle_sign import head_angle_sign_finding
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.tracks import _with_clock_remark, tracks
 from bluekoi.stages.tuning import campaign_series
@@ -78,7 +82,7 @@ def test_the_wrong_side_is_named(study_with_turn):
 def test_a_filmed_trial_that_is_right_with_the_other_sign_is_told_so(study_with_turn, monkeypatch):
     """The robot in the picture has its head at 30 degrees."""
     study, trial, _ = study_with_turn
-    found = read(study.paths(trial)[0], trial, study.setup.bodyparts)
+    found = read_keypoints_of_trial(study.paths(trial)[0], trial, study.setup.bodyparts)
     asked = []
 
     def detect(study, trial, threads):
@@ -90,7 +94,7 @@ def test_a_filmed_trial_that_is_right_with_the_other_sign_is_told_so(study_with_
 
     def finding(angle: float, **changed):
         other = {"source": "v.mp4", "head_angle_deg": angle, **changed}
-        return sign_finding(study, trial.model_copy(update=other), camera, depth)
+        return head_angle_sign_finding(study, trial.model_copy(update=other), camera, depth)
 
     text = str(finding(-30.0))
     assert "trial T10, column head_angle_deg: found -30" in text
@@ -171,11 +175,11 @@ def test_a_frame_rate_that_is_double_is_remarked(study_with_turn):
 
 def test_noise_without_a_beat_gives_no_ratio_of_clocks(study_with_turn):
     _, _, positions = study_with_turn
-    motor = Flapping(5.0, 0.01, "motor_log")
+    motor = FlappingFrequency(5.0, 0.01, "motor_log")
     for seed in range(10):
         noise = np.random.default_rng(seed).normal(0, 5e-4, positions.xy_m.shape)
         still = replace(positions, xy_m=positions.xy_m[:1] + noise)
-        assert np.isnan(clock_ratio(still, motor)).all()
+        assert np.isnan(video_to_motor_frequency_ratio(still, motor)).all()
 
 
 def test_a_robot_that_never_moved_and_another_s_log_are_kept_from_the_fits():
@@ -212,14 +216,16 @@ def _pose_of_track(track: Track) -> Pose:
     return Pose(track.time_s, values, cov)
 
 
-SLOW_STEADY_STATE = Steady(
+SLOW_STEADY_STATE = SteadyState(
     2.35, 0.24, 0.001, 0.4, 0.004, 40.0, 2.0, 4.0, "short_arc", "film for longer"
 )
 
 
 @pytest.mark.parametrize(("apart", "doubted"), [(2.0, True), (1.02, True), (1.004, False)])
 def test_a_clock_that_is_wrong_is_the_reason_to_doubt_a_steady_state(apart, doubted):
-    motor = Flapping(flap_hz=2.35, flap_hz_std=0.001, source="motor_log", remarks=("before",))
+    motor = FlappingFrequency(
+        flap_hz=2.35, flap_hz_std=0.001, source="motor_log", remarks=("before",)
+    )
     found = flapping_compared_with_video(motor, apart, 0.0006)
     assert not found.agrees
     reason = _with_clock_remark(SLOW_STEADY_STATE, found).reason
@@ -411,8 +417,8 @@ def test_keypoints_outside_of_the_picture_are_named_as_such(tmp_path):
     study = small_study(tmp_path / "study")
     path = study / "keypoints/T10.csv"
     trial = load_study(study).trial("T10")
-    found = read(path, trial)
-    write(path, replace(found, xy_px=found.xy_px + np.array([2500.0, 0.0])))
+    found = read_keypoints_of_trial(path, trial)
+    write_keypoints_csv(path, replace(found, xy_px=found.xy_px + np.array([2500.0, 0.0])))
     (finding,) = file_findings(load_study(study))
     assert "T10.csv: found 100 % of the points outside of the picture, such as" in str(finding)
     assert "pixels of a picture of 1920 x 1080" in str(finding)
@@ -427,8 +433,10 @@ def test_keypoints_outside_of_the_picture_are_named_as_such(tmp_path):
 )
 def test_numbers_that_are_no_pixels_are_named_as_such(tmp_path, change, message):
     study = small_study(tmp_path / "study")
-    found = read(path := study / "keypoints/T10.csv", load_study(study).trial("T10"))
-    write(path, replace(found, xy_px=change(found.xy_px)))
+    found = read_keypoints_of_trial(
+        path := study / "keypoints/T10.csv", load_study(study).trial("T10")
+    )
+    write_keypoints_csv(path, replace(found, xy_px=change(found.xy_px)))
     (finding,) = file_findings(load_study(study))
     assert re.search(message, str(finding))
 
@@ -438,7 +446,7 @@ def test_lengths_that_contradict_a_hinge_stated_at_the_centre_of_mass_are_named(
     robot = study.setup.robot.model_copy(update={"hinge_to_com_m": 0.0})
     wrong = study.model_copy(update={"setup": study.setup.model_copy(update={"robot": robot})})
     with pytest.raises(InputError, match=r"hinge to core_center of \d+ mm.*expected 0 mm"):
-        plausible_pose(wrong, trial, positions)
+        checked_rigid_pose(wrong, trial, positions)
 
 
 def test_check_warns_of_what_a_run_would_warn_of(tmp_path):
@@ -463,7 +471,7 @@ def test_keypoints_that_repeat_are_named_as_such(study_with_turn):
     study, trial, positions = study_with_turn
     stopped = replace(positions, xy_m=positions.xy_m[np.arange(len(positions.xy_m)) // 20 * 20])
     with pytest.raises(InputError, match=r"that stay in place, to the last digit, in 9[0-9] %"):
-        plausible_pose(study, trial, stopped)
+        checked_rigid_pose(study, trial, stopped)
 
 
 def test_a_log_of_a_part_of_the_recording_is_remarked(study_with_turn):

@@ -8,14 +8,14 @@ from scipy.stats import t as student
 
 from bluekoi.data import Pose
 from bluekoi.model import TABLE_1
-from bluekoi.smoothing import smooth
+from bluekoi.smoothing import smooth_pose
 from bluekoi.tuning import (
-    coefficients,
+    coefficients_json_and_fit,
     fit_all_trials,
-    simulations,
+    fit_paper_steps,
+    simulation_columns_by_trial,
     table_1,
     table_2,
-    three_steps,
     trial_series,
 )
 from measured_studies import MeasuredStudy, measure_design
@@ -37,7 +37,7 @@ def published_model_study(tmp_path_factory: pytest.TempPathFactory) -> MeasuredS
 def test_table_1_again(table_1_study: MeasuredStudy) -> None:
     """Studies simulated from the paper's Table I come back through the three steps as Table I."""
     m = table_1_study
-    steps, _, _ = three_steps(m.study, m.series, m.steady)
+    steps, _, _ = fit_paper_steps(m.study, m.series, m.steady)
     for power, published in TABLE_1.items():
         found = steps[str(power)]["coefficients"]
         for name, value in published.items():
@@ -48,7 +48,7 @@ def test_table_1_again(table_1_study: MeasuredStudy) -> None:
 
 
 def test_bare_study_gives_back_what_it_determines(published_model_study: MeasuredStudy) -> None:
-    found, joint = coefficients(
+    found, joint = coefficients_json_and_fit(
         published_model_study.study, published_model_study.series, published_model_study.steady
     )
     table = found["joint"]["coefficients"]
@@ -86,7 +86,11 @@ def test_a_frame_in_which_two_labels_changed_places_is_left_out(
     pose = Pose(t, values, cov)
     flapping = published_model_study.flapping[trial.trial_id]
     one = trial_series(
-        trial, published_model_study.study.setup, pose, smooth(pose, flapping.flap_hz), flapping
+        trial,
+        published_model_study.study.setup,
+        pose,
+        smooth_pose(pose, flapping.flap_hz),
+        flapping,
     )
     assert np.flatnonzero(np.isnan(one.seen[:, 0])).tolist() == [90]
 
@@ -99,7 +103,7 @@ def test_straight_runs_alone_leave_the_turning_coefficients_open(
         for s in published_model_study.series
         if published_model_study.study.trial(s.name).head_angle_deg == 0
     ]
-    steps, _, second = three_steps(
+    steps, _, second = fit_paper_steps(
         published_model_study.study, straight, published_model_study.steady
     )
     assert second is None
@@ -111,7 +115,7 @@ def test_straight_runs_alone_leave_the_turning_coefficients_open(
 
 def test_tables_have_the_paper_beside_the_study(table_1_study: MeasuredStudy) -> None:
     m = table_1_study
-    steps, _, _ = three_steps(m.study, m.series, m.steady)
+    steps, _, _ = fit_paper_steps(m.study, m.series, m.steady)
     one, two = table_1(steps), table_2(m.study, steps)
     assert one["power_pct"] == [50, 75, 100]
     assert one["paper_C_Md_kg_m2"] == [0.145, 0.130, 0.104]
@@ -128,10 +132,12 @@ def test_simulated_paths_lie_on_the_measured_turns(published_model_study: Measur
         if published_model_study.study.trial(s.name).head_angle_deg != 0
     ]
     joint = fit_all_trials(turns)
-    steps, _, _ = three_steps(
+    steps, _, _ = fit_paper_steps(
         published_model_study.study, published_model_study.series, published_model_study.steady
     )
-    for one, columns in zip(turns, simulations(turns, joint, steps).values(), strict=True):
+    for one, columns in zip(
+        turns, simulation_columns_by_trial(turns, joint, steps).values(), strict=True
+    ):
         apart = np.hypot(
             columns["joint_x_m"] - one.seen[:, 0], columns["joint_y_m"] - one.seen[:, 1]
         )

@@ -9,9 +9,15 @@ import exact_campaign as exact
 import numpy as np
 import pytest
 
-from bluekoi.fitting import Fit, Free, Normal, cluster_covariance, off_bounds
-from bluekoi.integrate import compiled
-from bluekoi.model import plates
+from bluekoi.fitting import (
+    FreeParameter,
+    NormalEquationsByTrial,
+    ParameterFit,
+    cluster_covariance,
+    off_bounds,
+)
+from bluekoi.integrate import compile_system
+from bluekoi.model import two_plate_system
 from bluekoi.report import identifiability, tables
 from bluekoi.study import Study, Trial
 from bluekoi.tuning import (
@@ -19,8 +25,8 @@ from bluekoi.tuning import (
     coefficient_table,
     downsampled,
     fit_all_trials,
+    fit_paper_steps,
     table_1,
-    three_steps,
 )
 from bluekoi.tuning.joint_fit import START_NOISE, JointFit
 from bluekoi.tuning.results import straight_swimming
@@ -36,7 +42,7 @@ def tuned_at(
 ) -> JointFit:
     """A fit that ended at these values; the trials pull C_Da by `pull` of its deviations beyond."""
     rng = np.random.default_rng(5)
-    kernel = compiled(plates())
+    kernel = compile_system(two_plate_system())
     scale = 1.0 / (widths * TRUTH)
     X = rng.standard_normal((trials, 40, 6)) * scale / np.sqrt(40 * trials)
     H = np.einsum("tnp,tnq->tpq", X, X)
@@ -45,15 +51,15 @@ def tuned_at(
     g = np.einsum("tnp,tn->tp", X, e)
     push = np.zeros(6)
     push[2] = pull * widths * TRUTH[2]
-    normal = Normal(H, g + H @ push, np.zeros(trials))
-    found = Fit(tuple(Free(n) for n in NAMES), values, normal, "", 1)
+    normal = NormalEquationsByTrial(H, g + H @ push, np.zeros(trials))
+    found = ParameterFit(tuple(FreeParameter(n) for n in NAMES), values, normal, "", 1)
     spread = cluster_covariance(normal, off_bounds(kernel, found))
-    return JointFit(found, START_NOISE, spread.cov, plates().values({}), spread.df)
+    return JointFit(found, START_NOISE, spread.cov, two_plate_system().values({}), spread.df)
 
 
 def at_lower_bound(pull: float, **more: float) -> JointFit:
     values = TRUTH.copy()
-    values[2] = {p.name: p for p in plates().parameters}["C_Da"].lower
+    values[2] = {p.name: p for p in two_plate_system().parameters}["C_Da"].lower
     return tuned_at(values, pull=pull, **more)
 
 
@@ -101,7 +107,7 @@ def test_the_percentage_that_is_reported_is_that_of_the_interval() -> None:
 def test_sizes_that_are_not_the_values_are_named() -> None:
     values = TRUTH.copy()
     values[4] = 0.001
-    usual = {p.name: abs(p.start) for p in plates().parameters}["C_Ma"]
+    usual = {p.name: abs(p.start) for p in two_plate_system().parameters}["C_Ma"]
     assert (
         f"its usual size of {usual:g}" in coefficient_cell(tuned_at(values, widths=2.0), 4)["why"]
     )
@@ -112,8 +118,8 @@ def test_a_number_that_hangs_on_one_trial_alone_is_not_judged() -> None:
     fit = tuned_at(TRUTH)
     H, g = fit.fit.normal.hessian.copy(), fit.fit.normal.gradient.copy()
     H[1:, 2], H[1:, :, 2], g[:, 2] = 0.0, 0.0, 0.0
-    spread = cluster_covariance(Normal(H, g, np.zeros(12)))
-    changed = replace(fit.fit, normal=Normal(H, g, np.zeros(12)))
+    spread = cluster_covariance(NormalEquationsByTrial(H, g, np.zeros(12)))
+    changed = replace(fit.fit, normal=NormalEquationsByTrial(H, g, np.zeros(12)))
     row = coefficient_table(JointFit(changed, fit.noise, spread.cov, fit.base, spread.df))
     assert row["C_Da"]["std"] is None
     assert row["C_Da"]["interval_95"] == [None, None]
@@ -145,7 +151,7 @@ def test_one_trial_determines_nothing_in_the_joint_fit_and_in_the_three_steps(
     fit_with_one_turn,
 ) -> None:
     study, series = fit_with_one_turn
-    steps, _, _ = three_steps(study, series, {})
+    steps, _, _ = fit_paper_steps(study, series, {})
     joint = coefficient_table(fit_all_trials(series))
     for cells in (joint, steps["75"]["coefficients"]):
         for name, row in cells.items():
@@ -192,7 +198,7 @@ def test_the_report_says_at_its_bound_and_never_plus_minus_nothing(shown_figures
     assert open_
     assert "at its bound" in why
     assert not any("± 0.0000" in c[0] or c[0].endswith("± 0") for c in power["cells"])
-    (one,) = identifiability.profiles(shown_figures)
+    (one,) = identifiability.likelihood_profile_curves(shown_figures)
     assert one.interval.startswith("bound to 1.50")
 
 

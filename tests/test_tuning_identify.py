@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.fitting import Series, cluster_covariance, off_bounds
+from bluekoi.fitting import TrialSeries, cluster_covariance, off_bounds
 from bluekoi.fitting.joint_fit import AT_BOUND
-from bluekoi.integrate import compiled
-from bluekoi.model import plates
+from bluekoi.integrate import compile_system
+from bluekoi.model import two_plate_system
 from bluekoi.tuning import JointFit, coefficient_table, downsampled, fit_all_trials
-from bluekoi.tuning.identify import parameter_scales, profiles, spectrum
-from bluekoi.tuning.new_trial import c_optimal_trial, plausible_values
+from bluekoi.tuning.identify import fisher_eigendirections, likelihood_profiles, parameter_scales
+from bluekoi.tuning.new_trial import c_optimal_trial, parameters_for_planned_trials
 from bluekoi.tuning.turning_trials import fit_outcome, undetermined_without_turns
 from bluekoi.tuning.undetermined import undetermined_combinations
 from paper_robot import PAPER_SETUP
@@ -23,7 +23,7 @@ NAMES = tuple(COEFFICIENTS)
 
 
 @pytest.fixture(scope="module")
-def simulated_campaign() -> list[Series]:
+def simulated_campaign() -> list[TrialSeries]:
     return downsampled(
         simulate_campaigns(trial_plans((50, 100)), ErrorModel(), np.random.default_rng(7), count=1)[
             0
@@ -32,7 +32,7 @@ def simulated_campaign() -> list[Series]:
 
 
 @pytest.fixture(scope="module")
-def straight_runs_fit() -> list[Series]:
+def straight_runs_fit() -> list[TrialSeries]:
     made = simulate_campaigns(
         trial_plans((50, 100), ((0.0, 0.12), (0.0, 0.12))),
         ErrorModel(push=(1e-4, 1e-4, 1e-6)),
@@ -43,7 +43,7 @@ def straight_runs_fit() -> list[Series]:
 
 
 def test_spectrum_covers_all_directions_the_least_determined_first(simulated_campaign) -> None:
-    found = spectrum(fit_all_trials(simulated_campaign))
+    found = fisher_eigendirections(fit_all_trials(simulated_campaign))
     assert len(found) == 6
     stds = [c.std for c in found]
     assert stds == sorted(stds, reverse=True)
@@ -64,7 +64,7 @@ def test_straight_runs_leave_the_turning_coefficients_open_and_say_so(straight_r
 
 def test_the_trial_that_is_named_does_help(straight_runs_fit) -> None:
     joint = fit_all_trials(straight_runs_fit)
-    worst = spectrum(joint)[0]
+    worst = fisher_eigendirections(joint)[0]
     trial = c_optimal_trial(straight_runs_fit, joint, PAPER_SETUP, worst)
     assert trial.head_angle_deg > 0
     assert trial.left < 0.7
@@ -76,7 +76,7 @@ BOUNDS = {"C_Da": 40.0, "C_La": 4.2, "C_Ma": -1.0, "C_Md": 5.0}
 @pytest.fixture(scope="module")
 def fit_at_bounds(straight_runs_fit) -> JointFit:
     """The straight runs' fit as it comes out where three numbers run to their bounds."""
-    kernel, found = compiled(plates()), fit_all_trials(straight_runs_fit)
+    kernel, found = compile_system(two_plate_system()), fit_all_trials(straight_runs_fit)
     values = np.array([BOUNDS.get(n, v) for n, v in found.fit.by_label().items()])
     fit = replace(found.fit, values=values, outcome=AT_BOUND)
     spread = cluster_covariance(fit.normal, off_bounds(kernel, fit))
@@ -91,7 +91,7 @@ def test_a_trial_is_named_even_where_numbers_stand_at_bounds(
     assert len(combinations) >= 4
     for one in combinations:
         assert "nan" not in one["trial"]
-    for one in spectrum(fit_at_bounds):
+    for one in fisher_eigendirections(fit_at_bounds):
         trial = c_optimal_trial(straight_runs_fit, fit_at_bounds, PAPER_SETUP, one)
         assert trial is not None
         assert 0.0 <= trial.left <= 1.0
@@ -101,12 +101,16 @@ def test_a_trial_is_named_even_where_numbers_stand_at_bounds(
 def test_trials_are_imagined_at_plausible_values(
     straight_runs_fit, simulated_campaign, fit_at_bounds
 ) -> None:
-    values = dict(zip(NAMES, plausible_values(straight_runs_fit, fit_at_bounds), strict=True))
-    starts = {p.name: p.start for p in plates().parameters}
+    values = dict(
+        zip(NAMES, parameters_for_planned_trials(straight_runs_fit, fit_at_bounds), strict=True)
+    )
+    starts = {p.name: p.start for p in two_plate_system().parameters}
     assert all(values[name] == starts[name] for name in BOUNDS)
     assert values["C_T"] == fit_at_bounds.fit.values[NAMES.index("C_T")]
     joint = fit_all_trials(simulated_campaign)
-    assert plausible_values(simulated_campaign, joint) == pytest.approx(joint.fit.values)
+    assert parameters_for_planned_trials(simulated_campaign, joint) == pytest.approx(
+        joint.fit.values
+    )
 
 
 def test_straight_runs_at_a_bound_lack_turns_not_physics(
@@ -122,7 +126,7 @@ def test_straight_runs_at_a_bound_lack_turns_not_physics(
 
 
 def test_numbers_at_a_bound_are_never_determined_combinations(fit_at_bounds) -> None:
-    held = [one for one in spectrum(fit_at_bounds) if one.side]
+    held = [one for one in fisher_eigendirections(fit_at_bounds) if one.side]
     assert len(held) == 3
     assert not any(one.determined for one in held)
 
@@ -130,7 +134,7 @@ def test_numbers_at_a_bound_are_never_determined_combinations(fit_at_bounds) -> 
 def test_spectrum_has_the_widths_of_the_table(simulated_campaign) -> None:
     joint = fit_all_trials(simulated_campaign)
     size = parameter_scales(joint)
-    for one in spectrum(joint):
+    for one in fisher_eigendirections(joint):
         half = joint.covariance.half_width(one.direction / size)
         assert one.std == pytest.approx(max(half / 1.96, one.naive))
     widths = [joint.covariance.half_width(unit) for unit in np.eye(6)]
@@ -140,7 +144,7 @@ def test_spectrum_has_the_widths_of_the_table(simulated_campaign) -> None:
 def test_one_trial_determines_no_combination(simulated_campaign) -> None:
     turn = [next(s for s in simulated_campaign if abs(s.inputs[0, 0]) > 0.5)]
     joint = fit_all_trials(turn)
-    assert not any(one.determined for one in spectrum(joint))
+    assert not any(one.determined for one in fisher_eigendirections(joint))
     combinations = undetermined_combinations(turn, joint, PAPER_SETUP)
     assert len(combinations) == 6
     assert any("Only one trial determines it" in one["sentence"] for one in combinations)
@@ -159,7 +163,7 @@ def test_profile_has_its_top_at_the_fit_and_agrees_with_the_fisher_matrix(
     simulated_campaign,
 ) -> None:
     joint = fit_all_trials(simulated_campaign)
-    drawn = profiles(simulated_campaign, joint)
+    drawn = likelihood_profiles(simulated_campaign, joint)
     for name in ("C_T", "C_La"):
         index = NAMES.index(name)
         found = drawn[index]

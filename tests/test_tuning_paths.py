@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.fitting import Free, Series, fit_paths
+from bluekoi.fitting import FreeParameter, TrialSeries, fit_trajectories
 from bluekoi.fitting.gram import set_products
-from bluekoi.integrate import compiled
-from bluekoi.model import FLAP_HZ, constants, plates, simulate
+from bluekoi.integrate import compile_system
+from bluekoi.model import PUBLISHED_FLAP_HZ, constants_of_robot_trial, simulate, two_plate_system
 from paper_robot import PAPER_SETUP
 from simulated_campaigns import COEFFICIENTS
 
@@ -19,35 +19,47 @@ OBSERVATION_STDS = np.array([1e-3, 1e-3, 0.01, 0.1])
 START_VALUES = np.array([0.01, -0.02, 0.03, 0.02, -0.01, 0.05])
 
 
-def simulated_trial(number: int, rng: np.random.Generator, noise: float = 1.0) -> Series:
+def simulated_trial(number: int, rng: np.random.Generator, noise: float = 1.0) -> TrialSeries:
     power, angle = (50, 75, 100)[number % 3], np.radians((30.0, 20.0, -45.0)[number // 3])
     run = simulate(
         COEFFICIENTS,
         setup=PAPER_SETUP,
         head_length_m=0.12,
         head_angle_rad=angle,
-        flap_hz=FLAP_HZ[power],
+        flap_hz=PUBLISHED_FLAP_HZ[power],
         duration_s=4.0,
         dt_s=1 / 30,
         start=tuple(START_VALUES),
     )
-    n, count = len(run.time_s), len(plates().all_states)
+    n, count = len(run.time_s), len(two_plate_system().all_states)
     seen = np.column_stack([run.state[:, :2], run.heading_rad, np.full(n, angle)])
     seen[:, :3] += noise * OBSERVATION_STDS[:3] * rng.standard_normal((n, 3))
     spread = np.array([0.02, 0.02, 0.05, 0.05, 0.05, 0.3] + [1e-6] * (count - 6))
-    return Series(
-        name=f"T{number}", group=str(power), condition="", times=run.time_s,
-        inputs=np.tile([angle, FLAP_HZ[power]], (n, 1)), constants=constants(PAPER_SETUP, 0.12),
-        seen=seen, noise=np.tile(np.diag(OBSERVATION_STDS**2), (n, 1, 1)), mean=np.zeros(count),
+    return TrialSeries(
+        name=f"T{number}",
+        group=str(power),
+        condition="",
+        times=run.time_s,
+        inputs=np.tile([angle, PUBLISHED_FLAP_HZ[power]], (n, 1)),
+        constants=constants_of_robot_trial(PAPER_SETUP, 0.12),
+        seen=seen,
+        noise=np.tile(np.diag(OBSERVATION_STDS**2), (n, 1, 1)),
+        mean=np.zeros(count),
         cov=np.diag(spread**2),
-    )  # fmt: skip
+    )
 
 
-def fit_trials(series: list[Series], **more):
+def fit_trials(series: list[TrialSeries], **more):
     start = {n: COEFFICIENTS[n] * f for n, f in zip(NAMES, (1.2, 0.8, 1.3, 0.8, 1.3, 0.8),
                                                     strict=True)}  # fmt: skip
-    return fit_paths(compiled(plates()), series, plates().values({}), [Free(n) for n in NAMES],
-                     start=start, **more)  # fmt: skip
+    return fit_trajectories(
+        compile_system(two_plate_system()),
+        series,
+        two_plate_system().values({}),
+        [FreeParameter(n) for n in NAMES],
+        start=start,
+        **more,
+    )
 
 
 def test_exact_paths_give_back_coefficients_and_starts() -> None:
@@ -69,7 +81,7 @@ def test_stated_deviations_are_those_of_many_fits_to_white_noise() -> None:
     assert 0.75 < np.sqrt(np.mean(np.square(pulls))) < 1.25
 
 
-def shortened_trials(series: Series, frames: int) -> Series:
+def shortened_trials(series: TrialSeries, frames: int) -> TrialSeries:
     gone = np.arange(frames)[:, None] % 7 == 3
     return replace(
         series,
@@ -89,9 +101,11 @@ def test_trials_of_unequal_length_and_missing_frames_are_no_matter() -> None:
 
 def test_more_numbers_than_lanes_are_refused() -> None:
     series = [simulated_trial(0, np.random.default_rng(1))]
-    free = [Free(p.name) for p in plates().parameters[:12]]
+    free = [FreeParameter(p.name) for p in two_plate_system().parameters[:12]]
     with pytest.raises(ValueError, match="18 numbers a trial, at most 15"):
-        fit_paths(compiled(plates()), series, plates().values({}), free)
+        fit_trajectories(
+            compile_system(two_plate_system()), series, two_plate_system().values({}), free
+        )
 
 
 def test_products_are_those_of_matrices_and_leave_out_what_was_not_seen() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bluekoi.model import TABLE_1
-from bluekoi.tuning.stability import growth_per_s, stability_verdict
+from bluekoi.tuning.stability import stability_verdict, straight_swimming_growth_per_s
 from paper_robot import PAPER_SETUP
 
 
@@ -40,4 +40,4 @@ def test_without_draws_the_fit_itself_speaks() -> None:
 
 def test_coefficients_that_run_away_have_no_eigenvalue() -> None:
     wild = TABLE_1[100] | {"C_D0": -5.0, "C_T": 0.2}
-    assert np.isnan(growth_per_s(wild, setup=PAPER_SETUP, flap_hz=5.8))
+    assert np.isnan(straight_swimming_growth_per_s(wild, setup=PAPER_SETUP, flap_hz=5.8))

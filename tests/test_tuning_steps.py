@@ -10,20 +10,20 @@ from test_tuning_bounds import at_lower_bound
 
 from bluekoi.fitting import (
     ClusterCovariance,
-    Fit,
-    Free,
-    Normal,
-    Series,
+    FreeParameter,
+    NormalEquationsByTrial,
+    ParameterFit,
+    TrialSeries,
     cluster_covariance,
     off_bounds,
     student_t_draws,
 )
-from bluekoi.integrate import compiled
-from bluekoi.model import plates
+from bluekoi.integrate import compile_system
+from bluekoi.model import two_plate_system
 from bluekoi.tuning import JointFit, downsampled, fit_all_trials
 from bluekoi.tuning.draws import response_to_bounded, sample_parameters
 from bluekoi.tuning.joint_fit import START_NOISE
-from bluekoi.tuning.paper_steps import _fit_second_step, draws
+from bluekoi.tuning.paper_steps import _fit_second_step, sample_step_parameters
 from bluekoi.tuning.two_step_covariance import step_sensitivity, with_step_covariance
 from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
 
@@ -31,10 +31,14 @@ FRAMES = 20
 CONDITIONS = ((0.0, 0.12), (0.0, 0.12), (30.0, 0.12), (-30.0, 0.12), (45.0, 0.12))
 
 
-def fit_result(values: np.ndarray, names: list[str], normal: Normal, **more: object) -> JointFit:
+def fit_result(
+    values: np.ndarray, names: list[str], normal: NormalEquationsByTrial, **more: object
+) -> JointFit:
     spread = cluster_covariance(normal, **more)  # type: ignore[arg-type]
-    fit = Fit(tuple(Free(n) for n in names), values, normal, "", 1)
-    return JointFit(fit, START_NOISE, spread.cov, plates().values({}), spread.df, spread.influence)
+    fit = ParameterFit(tuple(FreeParameter(n) for n in names), values, normal, "", 1)
+    return JointFit(
+        fit, START_NOISE, spread.cov, two_plate_system().values({}), spread.df, spread.influence
+    )
 
 
 def two_step_regression(rng: np.random.Generator) -> tuple[JointFit, JointFit, np.ndarray]:
@@ -60,9 +64,9 @@ def least_squares(X: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return values, y - X @ values
 
 
-def normal_equations_of(X: np.ndarray, left: np.ndarray) -> Normal:
+def normal_equations_of(X: np.ndarray, left: np.ndarray) -> NormalEquationsByTrial:
     H = np.einsum("tnp,tnq->tpq", X, X)
-    return Normal(H, np.einsum("tnp,tn->tp", X, left), np.zeros(len(X)))
+    return NormalEquationsByTrial(H, np.einsum("tnp,tn->tp", X, left), np.zeros(len(X)))
 
 
 def test_intervals_of_a_step_hold_the_truth_if_the_earlier_step_is_carried_along() -> None:
@@ -88,13 +92,13 @@ def test_what_cannot_be_judged_of_the_earlier_step_is_not_judged_of_the_later() 
 
 
 @pytest.fixture(scope="module")
-def three_step_fit() -> tuple[list[Series], JointFit, JointFit]:
+def three_step_fit() -> tuple[list[TrialSeries], JointFit, JointFit]:
     few = downsampled(
         simulate_campaigns(
             trial_plans((75,), CONDITIONS), ErrorModel(), np.random.default_rng(5), count=1
         )[0]
     )
-    first = fit_all_trials(few[:2], [Free("C_T"), Free("C_D0")], min_share=1.0)
+    first = fit_all_trials(few[:2], [FreeParameter("C_T"), FreeParameter("C_D0")], min_share=1.0)
     return few[2:], first, _fit_second_step(few[2:], first)
 
 
@@ -105,7 +109,7 @@ def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(three_step
 
     def refitted(by: float) -> np.ndarray:
         changed = second.base.copy()
-        changed[plates().slot["C_D0"]] += by
+        changed[two_plate_system().slot["C_D0"]] += by
         return fit_all_trials(turns, second.fit.free, base=changed, noise=second.noise,
                     start=second.fit.by_label()).fit.values  # fmt: skip
 
@@ -130,7 +134,7 @@ def test_draws_of_a_step_go_along_with_those_of_the_earlier_one(three_step_fit) 
     turns, first, second = three_step_fit
     sensitivity = step_sensitivity(turns, second, first)
     tight = replace(second, cov=1e-12 * second.cov)
-    found = draws((first, tight), sensitivity, np.random.default_rng(1))
+    found = sample_step_parameters((first, tight), sensitivity, np.random.default_rng(1))
     moved = np.column_stack([found[n] for n in ("C_T", "C_D0")]) - first.fit.values
     expected = second.fit.values[0] + moved @ sensitivity[0]
     near = np.abs(expected - second.fit.values[0]) < 1.0
@@ -143,8 +147,13 @@ def test_draws_are_as_wide_as_students_intervals_number_by_number() -> None:
     near = np.array([[1.0, 0.9994, 0.2], [0.9994, 1.0, 0.2], [0.2, 0.2, 1.0]])
     spread = ClusterCovariance(near * np.outer(std, std), np.array([2.0, 2.02, 12.0]))
     values = np.array([1.0, 2.0, 3.0])
-    fit = Fit(tuple(Free(n) for n in ("C_La", "C_Ma", "C_Da")), values,
-              Normal(np.zeros((1, 3, 3)), np.zeros((1, 3)), np.zeros(1)), "", 1)  # fmt: skip
+    fit = ParameterFit(
+        tuple(FreeParameter(n) for n in ("C_La", "C_Ma", "C_Da")),
+        values,
+        NormalEquationsByTrial(np.zeros((1, 3, 3)), np.zeros((1, 3)), np.zeros(1)),
+        "",
+        1,
+    )
     rows = student_t_draws(fit, spread, 40_000, np.random.default_rng(2)) - values
     for level in (0.5, 0.95):
         found = np.quantile(np.abs(rows), level, axis=0)
@@ -165,7 +174,7 @@ def test_a_number_at_its_bound_varies_over_its_interval_and_the_others_go_along(
     slope = np.cov(rows[:, 2], rows[:, 3])[0, 1] / np.var(rows[:, 2])
     wide = np.std(rows[:, 3]) / np.std(rows[:, 2]) / np.sqrt(4000)
     assert slope == pytest.approx(response_to_bounded(fit.fit, [2])[3, 0], abs=5 * wide)
-    assert not off_bounds(compiled(plates()), fit.fit)[2]
+    assert not off_bounds(compile_system(two_plate_system()), fit.fit)[2]
 
 
 def test_a_number_beyond_its_bound_alone_stays_there() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bluekoi.fitting import (
-    Normal,
+    NormalEquationsByTrial,
     TrialRandomEffect,
     cluster_covariance,
     cov_hc2,
@@ -19,7 +19,7 @@ TRUTH = np.array([1.0, -0.5, 0.3])
 FRAMES, MEMORY = 30, 8.0
 
 
-def fitted_line(trials: int, rng: np.random.Generator) -> tuple[np.ndarray, Normal]:
+def fitted_line(trials: int, rng: np.random.Generator) -> tuple[np.ndarray, NormalEquationsByTrial]:
     """Least squares of a line with three numbers to trials whose errors last."""
     keep = np.exp(-1 / MEMORY)
     X = rng.standard_normal((trials, 1, 3)) + 0.5 * rng.standard_normal((trials, FRAMES, 3))
@@ -30,7 +30,7 @@ def fitted_line(trials: int, rng: np.random.Generator) -> tuple[np.ndarray, Norm
     H = np.einsum("tnp,tnq->tpq", X, X)
     values = np.linalg.solve(H.sum(axis=0), np.einsum("tnp,tn->p", X, y))
     g = np.einsum("tnp,tn->tp", X, y - X @ values)
-    return values, Normal(H, g, np.zeros(trials))
+    return values, NormalEquationsByTrial(H, g, np.zeros(trials))
 
 
 def coverage_shares(trials: int, count: int = 800) -> dict[str, np.ndarray]:
@@ -63,7 +63,7 @@ def test_degrees_of_freedom_count_the_informative_trials() -> None:
     e = rng.standard_normal((10, FRAMES))
     shift = np.linalg.solve(H.sum(axis=0), np.einsum("tnp,tn->p", X, e))
     g = np.einsum("tnp,tn->tp", X, e - X @ shift)
-    df = cluster_covariance(Normal(H, g, np.zeros(10))).df
+    df = cluster_covariance(NormalEquationsByTrial(H, g, np.zeros(10))).df
     assert df[0] == pytest.approx(1.0, abs=0.3)
     assert 6 < df[1] < 9.5
 
@@ -73,7 +73,9 @@ def test_numbers_at_a_bound_have_no_variance_and_do_not_disturb_the_others() -> 
     moving = np.array([True, False, True])
     spread = cluster_covariance(normal, moving)
     alone = cluster_covariance(
-        Normal(normal.hessian[:, moving][:, :, moving], normal.gradient[:, moving], np.zeros(12))
+        NormalEquationsByTrial(
+            normal.hessian[:, moving][:, :, moving], normal.gradient[:, moving], np.zeros(12)
+        )
     )
     assert np.all(spread.cov[1] == 0)
     assert spread.df[1] == 0
@@ -83,7 +85,7 @@ def test_numbers_at_a_bound_have_no_variance_and_do_not_disturb_the_others() -> 
 
 def test_one_trial_falls_back_on_what_it_says_of_itself() -> None:
     _, normal = fitted_line(12, np.random.default_rng(2))
-    one = Normal(normal.hessian[:1], normal.gradient[:1], np.zeros(1))
+    one = NormalEquationsByTrial(normal.hessian[:1], normal.gradient[:1], np.zeros(1))
     assert cluster_covariance(one).cov == pytest.approx(np.linalg.inv(one.hessian[0]), rel=1e-6)
 
 
@@ -92,7 +94,7 @@ SERVO_STD = 0.5
 
 def fits_with_trial_errors(
     count: int, size: float
-) -> list[tuple[np.ndarray, Normal, TrialRandomEffect]]:
+) -> list[tuple[np.ndarray, NormalEquationsByTrial, TrialRandomEffect]]:
     """Fits to 18 trials of which three tell most; each has an error of its own that the fit lacks.
 
     z is what that error does to the observations; it weighs most where the information is largest.
@@ -108,7 +110,7 @@ def fits_with_trial_errors(
         e = rng.standard_normal((18, FRAMES)) + own * z
         shift = np.linalg.solve(H.sum(axis=0), np.einsum("tnp,tn->p", X, e))
         left = e - X @ shift
-        normal = Normal(H, np.einsum("tnp,tn->tp", X, left), np.zeros(18))
+        normal = NormalEquationsByTrial(H, np.einsum("tnp,tn->tp", X, left), np.zeros(18))
         lasting = TrialRandomEffect(
             np.einsum("tnp,tn->tp", X, z), np.sum(z**2, 1), np.sum(z * left, 1)
         )
@@ -176,7 +178,7 @@ def test_scatter_of_scores_is_right_where_few_trials_hold_most_of_what_is_known(
         fit = np.linalg.solve(H.sum(axis=0), np.einsum("tnp,tn->p", J, e))
         g = np.einsum("tnp,tn->tp", J, e - J @ fit)
         for cov, found in std_ratios.items():
-            C = cov(Normal(H, g, np.zeros(7)), np.ones(3, dtype=bool))
+            C = cov(NormalEquationsByTrial(H, g, np.zeros(7)), np.ones(3, dtype=bool))
             found.append(np.trace(H.sum(axis=0) @ C) / 3)
     assert np.mean(std_ratios[cov_hc2]) == pytest.approx(1.25, abs=0.08)
     assert np.mean(std_ratios[cov_jackknife]) > 1.5 * 1.25
@@ -186,9 +188,13 @@ def test_a_number_at_its_bound_widens_no_other():
     """Two numbers of nearly one effect: the second held at its bound, the first is known well."""
     rng = np.random.default_rng(5)
     one = np.array([[100.0, 99.9], [99.9, 100.0]])
-    normal = Normal(np.repeat(one[None], 12, axis=0), rng.normal(0, 10, (12, 2)), np.zeros(12))
+    normal = NormalEquationsByTrial(
+        np.repeat(one[None], 12, axis=0), rng.normal(0, 10, (12, 2)), np.zeros(12)
+    )
     held = cov_jackknife(normal, np.array([True, False]))
-    alone = Normal(normal.hessian[:, :1, :1], normal.gradient[:, :1], normal.log_likelihood)
+    alone = NormalEquationsByTrial(
+        normal.hessian[:, :1, :1], normal.gradient[:, :1], normal.log_likelihood
+    )
     assert held[0, 0] == pytest.approx(cov_jackknife(alone)[0, 0])
     assert held[1].tolist() == [0.0, 0.0]
 
@@ -199,7 +205,7 @@ def test_the_variance_of_a_direction_that_one_trial_determines_is_finite():
     hessian[4] = np.diag([10.0, 100.0])
     gradient = np.random.default_rng(3).normal(0, 10**0.5, (11, 2)) * [1.0, 0.1]
     gradient[:, 1] -= gradient[:, 1].mean()
-    cov = cov_jackknife(Normal(hessian, gradient, np.zeros(11)))
+    cov = cov_jackknife(NormalEquationsByTrial(hessian, gradient, np.zeros(11)))
     scores = np.abs(gradient[:, 1])
     left = np.array([max(1 - h / 100.1, MIN_INFORMATION_SHARE_LEFT) for h in hessian[:, 1, 1]])
     bound = np.sum((scores / left / 100.1) ** 2) + 0.25 / 100.1
@@ -217,4 +223,6 @@ def test_with_equally_informative_trials_the_jackknife_is_the_usual_one():
     rest = np.linalg.inv(hessian.sum(axis=0) + ridge - hessian)
     steps = np.einsum("tpq,tq->tp", rest, gradient)
     usual = 19 / 20 * steps.T @ steps + 0.25 * np.linalg.inv(hessian.sum(axis=0))
-    assert cov_jackknife(Normal(hessian, gradient, np.zeros(20))) == pytest.approx(usual)
+    assert cov_jackknife(NormalEquationsByTrial(hessian, gradient, np.zeros(20))) == pytest.approx(
+        usual
+    )

@@ -28,8 +28,8 @@ from bluekoi.cli import main
 from bluekoi.errors import InputError
 from bluekoi.files import atomic_write
 from bluekoi.integrate import compiled_system
-from bluekoi.stages.compiling import load_model, load_model_with_effects
-from bluekoi.stages.layout import Layout
+from bluekoi.stages.compiling import precompile_model, precompile_model_with_effects
+from bluekoi.stages.layout import ResultPaths
 from bluekoi.stages.manifest import record_file_states
 from bluekoi.stages.outcome import outcome
 from bluekoi.study import load_study
@@ -38,7 +38,11 @@ from bluekoi.workflow import provenance
 from bluekoi.workflow.forkserver_client import ADDRESS_VARIABLE, EXIT_RUN_ENDED, request_stage
 from bluekoi.workflow.lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from bluekoi.workflow.plan import figure_names, make_plan
-from bluekoi.workflow.progress import Progress, SnakemakeMessageFilter, signal_that_killed
+from bluekoi.workflow.progress import (
+    SnakemakeMessageFilter,
+    SnakemakeProgressHandler,
+    signal_that_killed,
+)
 from bluekoi.workflow.remaining_time import Timing, duration_text, usual_durations_s
 from bluekoi.workflow.run_start import without_rate_limit
 from forked_snakemake import snakemake
@@ -96,7 +100,7 @@ class WorkflowCopy:
 
 
 @pytest.mark.parametrize(
-    ("load", "general"), [(load_model, False), (load_model_with_effects, True)]
+    ("load", "general"), [(precompile_model, False), (precompile_model_with_effects, True)]
 )
 def test_two_loaders_share_the_kernels_of_the_model(load, general, monkeypatch):
     """Two processes compile at the same time, each its own kernel."""
@@ -321,7 +325,7 @@ def test_a_run_in_which_every_trial_fails_leaves_no_verdict_of_an_earlier_one(wo
 
 def test_a_report_older_than_the_verdict_is_not_shown_as_that_of_the_run(workflow, monkeypatch):
     results = workflow.root / "results/study"
-    assert Layout(results).report_is_current()
+    assert ResultPaths(results).report_is_current()
     later = (results / "report.html").stat().st_mtime + 60
     os.utime(results / "mismatch.json", (later, later))
     monkeypatch.chdir(workflow.root)
@@ -430,7 +434,7 @@ class Terminal(io.StringIO):
 
 def test_a_long_stage_is_reported_with_the_last_line_of_its_log(tmp_path):
     (tmp_path / "mismatch.log").write_text("baseline\nrefits with \x1b[31mstall\n")
-    progress = Progress(tmp_path / "report.html", stream := Terminal())
+    progress = SnakemakeProgressHandler(tmp_path / "report.html", stream := Terminal())
     progress.emit(log_record(logging.INFO, "", event=LogEvent.RUN_INFO, stats={"mismatch": 1}))
     found = {"event": LogEvent.JOB_INFO, "jobid": 1, "rule_name": "mismatch"}
     progress.emit(log_record(logging.INFO, "", **found, log=[str(tmp_path / "mismatch.log")]))
@@ -695,7 +699,7 @@ def log_record(level, message, **more):
 
 
 def test_snakemake_keeps_its_own_words_until_the_run_begins(tmp_path):
-    hush = SnakemakeMessageFilter(Progress(tmp_path / "report.html", io.StringIO()))
+    hush = SnakemakeMessageFilter(SnakemakeProgressHandler(tmp_path / "report.html", io.StringIO()))
     lint = log_record(logging.INFO, "your workflow is in a good condition")
     assert hush.filter(lint)
     assert not hush.filter(log_record(logging.INFO, "x", event=LogEvent.WORKFLOW_STARTED))
@@ -704,7 +708,7 @@ def test_snakemake_keeps_its_own_words_until_the_run_begins(tmp_path):
 
 
 def test_a_run_interrupted_while_it_plans_is_reported_in_one_line_without_a_traceback(tmp_path):
-    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    progress = SnakemakeProgressHandler(tmp_path / "report.html", stream := io.StringIO())
     hush = SnakemakeMessageFilter(progress)
     hush.filter(log_record(logging.INFO, "x", event=LogEvent.WORKFLOW_STARTED))
     loop = "Traceback (most recent call last):\nRuntimeError: Cannot close a running event loop"
@@ -720,7 +724,7 @@ def test_a_run_interrupted_while_it_plans_is_reported_in_one_line_without_a_trac
 
 def test_a_stage_that_ends_in_an_error_shows_its_log(tmp_path):
     (tmp_path / "tuning.log").write_text("results: found no trial; expected one.\n")
-    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    progress = SnakemakeProgressHandler(tmp_path / "report.html", stream := io.StringIO())
     found = {"event": LogEvent.JOB_ERROR, "rule_name": "tuning", "log": [tmp_path / "tuning.log"]}
     progress.emit(log_record(logging.ERROR, "Error in rule", **found))
     assert "found no trial; expected one." in stream.getvalue()
@@ -728,7 +732,7 @@ def test_a_stage_that_ends_in_an_error_shows_its_log(tmp_path):
 
 
 def test_a_locked_folder_is_reported_with_its_cure(tmp_path):
-    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    progress = SnakemakeProgressHandler(tmp_path / "report.html", stream := io.StringIO())
     progress.emit(log_record(logging.ERROR, "Error: Directory cannot be locked. Please make sure"))
     assert "snakemake --unlock" in stream.getvalue()
 
@@ -737,7 +741,7 @@ def test_a_locked_folder_is_reported_with_its_cure(tmp_path):
     "end", ["died with <Signals.SIGKILL: 9>.", "returned non-zero exit status 137."]
 )
 def test_a_killed_stage_is_reported_with_what_to_do(tmp_path, end):
-    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    progress = SnakemakeProgressHandler(tmp_path / "report.html", stream := io.StringIO())
     progress.emit(log_record(logging.ERROR, f"Command 'python3' {end}", event=LogEvent.ERROR))
     assert "killed from outside (SIGKILL)" in stream.getvalue()
     assert "what is done is kept" in stream.getvalue()
@@ -749,7 +753,7 @@ def test_a_stage_that_ends_by_itself_was_not_killed():
 
 
 def test_an_interrupted_run_says_so_once_and_blames_no_stage(tmp_path):
-    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    progress = SnakemakeProgressHandler(tmp_path / "report.html", stream := io.StringIO())
     for _ in range(2):
         text = "Command 'python3' died with <Signals.SIGINT: 2>."
         progress.emit(log_record(logging.ERROR, text, event=LogEvent.ERROR))
@@ -760,7 +764,7 @@ def test_an_interrupted_run_says_so_once_and_blames_no_stage(tmp_path):
 
 def test_a_stage_that_a_library_ends_on_ctrl_c_is_not_blamed_either(tmp_path):
     (tmp_path / "geometry.log").write_text("SystemError: in a callback\nKeyboardInterrupt\n")
-    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    progress = SnakemakeProgressHandler(tmp_path / "report.html", stream := io.StringIO())
     found = {"rule_name": "geometry", "log": [tmp_path / "geometry.log"]}
     progress.emit(log_record(logging.ERROR, "", event=LogEvent.JOB_ERROR, **found))
     assert stream.getvalue() == ("Interrupted. What is done is kept; start again and it goes on.\n")

@@ -21,13 +21,13 @@ import numpy as np
 from bluekoi.campaign import load_campaign
 from bluekoi.data import Float
 from bluekoi.engine.candidates import Candidate, strength_step
-from bluekoi.engine.expansion import Expansion, expand_in_all_forms
-from bluekoi.engine.problem import Problem
+from bluekoi.engine.expansion import LikelihoodExpansion, expand_in_all_forms
+from bluekoi.engine.problem import CauseSearchProblem
 from bluekoi.engine.refit import fit_set
 from bluekoi.fitting import rms_forces
-from bluekoi.integrate import compiled
+from bluekoi.integrate import compile_system
 from bluekoi.mismatch.robot_problem import robot_problem
-from bluekoi.model import plates
+from bluekoi.model import two_plate_system
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
 from bluekoi.tuning import downsampled, fit_all_trials
@@ -39,7 +39,7 @@ def relative_residuals(study: Path, results: Path) -> dict[str, list[float]]:
     """Cause -> kappa^2 of each of its forms, in the designs of a measured study's trials."""
     campaign = load_campaign(results, load_study(study), measured=True)
     series = downsampled(campaign_series(campaign, campaign_flapping(campaign)))
-    kernel, baseline = compiled(plates()), fit_all_trials(series)
+    kernel, baseline = compile_system(two_plate_system()), fit_all_trials(series)
     problem = robot_problem(kernel, series, baseline, displaced=(), progress=lambda _: None)
     model = fit_set(problem, (), problem.noise, baseline.fit.by_label())
     expansion, _ = expand_in_all_forms(problem, model)  # strengths in their leading forms
@@ -50,7 +50,7 @@ def relative_residuals(study: Path, results: Path) -> dict[str, list[float]]:
 
 
 def _relative_residuals_by_form(
-    problem: Problem, expansion: Expansion
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion
 ) -> Iterator[tuple[str, float]]:
     H = expansion.hessian.sum(axis=0)
     for candidate in problem.candidates:
@@ -68,7 +68,10 @@ def _relative_residuals_by_form(
 
 
 def _force_ratios(
-    problem: Problem, expansion: Expansion, cause: Candidate, terms: Sequence[Candidate]
+    problem: CauseSearchProblem,
+    expansion: LikelihoodExpansion,
+    cause: Candidate,
+    terms: Sequence[Candidate],
 ) -> Float:
     """Force of a unit strength of a cause over that of each term's, in the term's channel; 0 for
     all terms of a cause without force.

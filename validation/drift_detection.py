@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from bluekoi.campaign import load_campaign
-from bluekoi.fitting import Series
-from bluekoi.integrate import compiled
-from bluekoi.mismatch.drift import add_drift, drifting_trial
-from bluekoi.model import plates
+from bluekoi.fitting import TrialSeries
+from bluekoi.integrate import compile_system
+from bluekoi.mismatch.drift import add_drift, trial_with_camera_drift
+from bluekoi.model import two_plate_system
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
 from bluekoi.tuning import downsampled, fit_all_trials
@@ -32,10 +32,10 @@ def drift_detections(study: Path, results: Path) -> tuple[bool, bool]:
     return _reported_trial(series) != "", _reported_trial(moved) == series[chosen].name
 
 
-def _reported_trial(series: Sequence[Series]) -> str:
+def _reported_trial(series: Sequence[TrialSeries]) -> str:
     """Name of the trial that is reported, or no text."""
-    kernel, model = compiled(plates()), fit_all_trials(series)
-    found = drifting_trial(kernel, series, model.trial_values(kernel, series), model.noise)
+    kernel, model = compile_system(two_plate_system()), fit_all_trials(series)
+    found = trial_with_camera_drift(kernel, series, model.trial_values(kernel, series), model.noise)
     return found.trial if found else ""
 
 

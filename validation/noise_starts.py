@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from bluekoi.engine import fit_own_noise, fit_set, search_sets
-from bluekoi.engine.fitted_sets import FittedSets
+from bluekoi.engine.fitted_sets import FittedCauseSets
 from bluekoi.engine.own_noise import MAX_NOISE_ROUNDS, NOISE_STEPS, small_force_noise
 from bluekoi.fitting import Noise
 
@@ -35,14 +35,14 @@ def other_start_gains(study: Path, results: Path) -> list[Gains]:
     return gains_of_sets(search_sets(problem, start), start)
 
 
-def gains_of_sets(visited: FittedSets, start: Mapping[str, float]) -> list[Gains]:
+def gains_of_sets(visited: FittedCauseSets, start: Mapping[str, float]) -> list[Gains]:
     """Gains of the model without causes and of the most probable set, where that is another one."""
     return [
         _gains(visited, key, start) for key in dict.fromkeys([frozenset(), visited.best.model.key])
     ]
 
 
-def _gains(visited: FittedSets, key: frozenset[str], start: Mapping[str, float]) -> Gains:
+def _gains(visited: FittedCauseSets, key: frozenset[str], start: Mapping[str, float]) -> Gains:
     problem, model = visited.problem, visited.sets[key].model
     known = {**start, **model.fit.by_label()}
     starts = {(share, time): small_force_noise(problem, problem.noise, share=share, time_s=time)

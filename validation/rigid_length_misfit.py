@@ -10,8 +10,8 @@ import numpy as np
 
 from bluekoi.campaign import load_campaign
 from bluekoi.files import read_json
-from bluekoi.mismatch.rigid_lengths import effects_on_lengths
-from bluekoi.model import plates
+from bluekoi.mismatch.rigid_lengths import effects_that_change_lengths
+from bluekoi.model import two_plate_system
 from bluekoi.stages.mismatch import with_rigid_length_measurement
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study
@@ -23,7 +23,7 @@ MisfitRow = tuple[str, bool, float, int]
 def length_misfit(directory: Path, name: str) -> MisfitRow | None:
     """The row of a measured study of a directory; None where no lengths were measured."""
     study, results = directory / "studies" / name, directory / "tracks" / name
-    loaded, system = load_study(study), plates()
+    loaded, system = load_study(study), two_plate_system()
     series = campaign_series(load_campaign(results, loaded, measured=True))
     geometry = read_json(results / "geometry.json")
     shared = with_rigid_length_measurement(series, geometry, loaded.setup)[0].shared
@@ -32,7 +32,7 @@ def length_misfit(directory: Path, name: str) -> MisfitRow | None:
     errors = shared.errors(system.values({})[[system.slot[n] for n in shared.parameters]])
     truth = json.loads((directory / "truth" / f"{name}.json").read_text(encoding="utf-8"))
     causes = {cause["name"] for cause in truth["causes"]}
-    stretched = bool(causes & {e.name for e in effects_on_lengths(system)})
+    stretched = bool(causes & {e.name for e in effects_that_change_lengths(system)})
     return name, stretched, float(errors @ errors), len(errors)
 
 

@@ -14,15 +14,15 @@ from pathlib import Path
 import numpy as np
 
 from bluekoi.campaign import load_campaign
-from bluekoi.engine import Problem, posterior, search_sets
-from bluekoi.engine.fitted_sets import FittedSets
+from bluekoi.engine import CauseSearchProblem, posterior_over_sets, search_sets
+from bluekoi.engine.fitted_sets import FittedCauseSets
 from bluekoi.engine.own_noise import fit_own_noise
 from bluekoi.engine.refit import fit_set
 from bluekoi.engine.set_score import score_set
-from bluekoi.integrate import compiled
+from bluekoi.integrate import compile_system
 from bluekoi.mismatch.find import SEARCH_RATE_HZ
 from bluekoi.mismatch.robot_problem import robot_problem
-from bluekoi.model import plates
+from bluekoi.model import two_plate_system
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
 from bluekoi.tuning import downsampled, fit_all_trials
@@ -40,11 +40,11 @@ class LimitEffects:
     probability_change: float
 
 
-def study_problem(study: Path, results: Path) -> tuple[Problem, dict[str, float]]:
+def study_problem(study: Path, results: Path) -> tuple[CauseSearchProblem, dict[str, float]]:
     """Problem of a measured study, all of whose trials are fitted, and the fitted coefficients."""
     campaign = load_campaign(results, load_study(study), measured=True)
     series = campaign_series(campaign, campaign_flapping(campaign))
-    kernel, baseline = compiled(plates()), fit_all_trials(downsampled(series))
+    kernel, baseline = compile_system(two_plate_system()), fit_all_trials(downsampled(series))
     problem = robot_problem(kernel, downsampled(series, SEARCH_RATE_HZ), baseline, displaced=(),
                             progress=lambda _: None)  # fmt: skip
     return problem, baseline.fit.by_label()
@@ -55,7 +55,7 @@ def limit_effects(study: Path, results: Path) -> LimitEffects:
     problem, start = study_problem(study, results)
     visited = search_sets(problem, start)
     sets = list(visited.sets.values())
-    limited, all_sets = (posterior(visited.problem, sets, **limit)
+    limited, all_sets = (posterior_over_sets(visited.problem, sets, **limit)
                          for limit in ({}, {"max_log_odds": np.inf}))  # fmt: skip
     change = max((abs(p - limited.inclusion.get(name, 0.0))
                   for name, p in all_sets.inclusion.items()), default=0.0)  # fmt: skip
@@ -63,7 +63,7 @@ def limit_effects(study: Path, results: Path) -> LimitEffects:
                         len(all_sets.sets) - len(limited.sets), change)  # fmt: skip
 
 
-def round_gains(visited: FittedSets, start: Mapping[str, float]) -> tuple[float, ...]:
+def round_gains(visited: FittedCauseSets, start: Mapping[str, float]) -> tuple[float, ...]:
     """Log posterior of the sets fitted to the end, less that after one round from the start."""
     problem, out = visited.problem, []
     for key in visited.converged:

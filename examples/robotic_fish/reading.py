@@ -12,7 +12,7 @@ from bluekoi.data import Float, Pose, Track
 from bluekoi.errors import input_error
 from bluekoi.explain import Trial
 from bluekoi.motor import tail_beat_from_video
-from bluekoi.smoothing import smooth
+from bluekoi.smoothing import smooth_pose
 
 from ..averaging import block_means
 
@@ -72,7 +72,7 @@ def read(path: Path) -> Recording:
     seen = np.column_stack([rows[:, 5:7], np.unwrap(rows[:, 4])])
     pose = Pose(times, np.column_stack([seen, np.zeros(len(seen))]), _cov(len(seen), 4))
     hz, std = tail_beat_from_video(pose, 2.1)
-    track = smooth(pose, hz)
+    track = smooth_pose(pose, hz)
     recoil = float(np.sqrt(2.0) * np.std(track.recoil[:, 2]))
     return Recording(f"{path.parent.name}/{path.stem}", float(name["amp"]), float(name["bias"]),
                      times, seen, track, hz, std, recoil)  # fmt: skip

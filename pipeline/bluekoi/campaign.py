@@ -9,14 +9,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from .data import Float, Pose, Steady, Track, read_columns, read_pose, read_track
+from .data import Float, Pose, SteadyState, Track, read_columns, read_pose, read_track
 from .files import read_json, read_json_if_present
 from .steady import read_steady
 from .study import Study, Trial
 from .study.keypoint_depth import study_with_keypoint_depth
 
 T = TypeVar("T")
-Tree = Mapping[str, Any]
+JsonMapping = Mapping[str, Any]
 MIN_SHARE_OF_TRACK_SIMULATED = 0.8
 """Share of a track that a simulated path must cover to be judged."""
 MAX_SHOWN_ERROR_PCT = 1000.0
@@ -39,13 +39,13 @@ class Campaign:
     study: Study
     tracks: Mapping[str, Track] = field(default_factory=dict)
     poses: Mapping[str, Pose] = field(default_factory=dict)
-    steady: Mapping[str, Steady] = field(default_factory=dict)
-    coefficients: Tree = field(default_factory=dict)
-    mismatch: Tree | None = None
-    mismatch_detail: Tree | None = None
+    steady: Mapping[str, SteadyState] = field(default_factory=dict)
+    coefficients: JsonMapping = field(default_factory=dict)
+    mismatch: JsonMapping | None = None
+    mismatch_detail: JsonMapping | None = None
     simulations: Mapping[str, Mapping[str, Float]] = field(default_factory=dict)
-    statuses: Mapping[str, Tree] = field(default_factory=dict)
-    geometry: Tree | None = None
+    statuses: Mapping[str, JsonMapping] = field(default_factory=dict)
+    geometry: JsonMapping | None = None
 
     @property
     def analysed(self) -> tuple[Trial, ...]:

@@ -19,7 +19,7 @@ INTERRUPTED_MESSAGE = "Interrupted. What is done is kept; start again and it goe
 
 
 @dataclass(frozen=True)
-class Finding:
+class InputIssue:
     """One thing wrong at one place: file, row or key, what was found, what was expected."""
 
     file: str
@@ -46,20 +46,20 @@ class InputError(Exception):
         no_such_lab: found no such folder; expected a study folder with study.yaml and trials.csv.
     """
 
-    def __init__(self, findings: Finding | Iterable[Finding]) -> None:
-        self.findings: tuple[Finding, ...] = (
-            (findings,) if isinstance(findings, Finding) else tuple(findings)
+    def __init__(self, findings: InputIssue | Iterable[InputIssue]) -> None:
+        self.findings: tuple[InputIssue, ...] = (
+            (findings,) if isinstance(findings, InputIssue) else tuple(findings)
         )
         super().__init__("\n".join(str(finding) for finding in _merge_row_findings(self.findings)))
 
-    def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Finding, ...]]]:
+    def __reduce__(self) -> tuple[type[InputError], tuple[tuple[InputIssue, ...]]]:
         """Carry the findings, not their text, to another process."""
         return type(self), (self.findings,)
 
 
-def _merge_row_findings(findings: Iterable[Finding]) -> list[Finding]:
+def _merge_row_findings(findings: Iterable[InputIssue]) -> list[InputIssue]:
     """Findings that differ in the row of a table alone made one, at the place of the first."""
-    groups: dict[object, list[Finding]] = {}
+    groups: dict[object, list[InputIssue]] = {}
     for finding in findings:
         row = ROW_PATTERN.fullmatch(finding.where)
         groups.setdefault(replace(finding, where=row[3]) if row else finding, []).append(finding)
@@ -70,7 +70,7 @@ def _merge_row_findings(findings: Iterable[Finding]) -> list[Finding]:
     ]
 
 
-def _finding_for_rows(same: list[Finding]) -> Finding:
+def _finding_for_rows(same: list[InputIssue]) -> InputIssue:
     """One finding for all the rows that `same` stand for."""
     rows = [row for one in same if (row := ROW_PATTERN.fullmatch(one.where))]
     if not rows:
@@ -85,7 +85,7 @@ def input_error(
     file: object, where: str, found: object, expected: str, remedy: str = ""
 ) -> InputError:
     """A `InputError` with one finding, to be raised by the caller."""
-    return InputError(Finding(str(file), where, str(found), expected, remedy))
+    return InputError(InputIssue(str(file), where, str(found), expected, remedy))
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .motor.power_consistency import power_warnings
-from .motor.swimming_plausibility import study_warnings, tail_warnings
+from .motor.swimming_plausibility import clock_and_length_warnings, tail_warnings
 from .pose.trial_comparison import comparison_warnings
 from .study import Study
 from .study.setup_warnings import setup_warnings
@@ -31,7 +31,7 @@ def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> l
     powers = {trial.trial_id: trial.power_pct for trial in study.trials}
     return [
         *setup_warnings(study.setup),
-        *study_warnings(statuses),
+        *clock_and_length_warnings(statuses),
         *tail_warnings(statuses, study.setup.robot.tail_length_m),
         *power_warnings(statuses, powers),
         *comparison_warnings(study, statuses),

@@ -10,9 +10,9 @@ import pytest
 from bluekoi.files import write_json
 from bluekoi.model import simulate
 from bluekoi.study import load_study
-from bluekoi.synthetic.eddies import draw_eddies, water_velocity
-from bluekoi.synthetic.laws import Fin, Tank, TrialSettings, published_model_tank
-from bluekoi.synthetic.tank import simulate as demo_tank
+from bluekoi.synthetic.eddies import random_eddies, water_velocity
+from bluekoi.synthetic.laws import Fin, GroundTruthPhysics, TrialSettings, published_model_tank
+from bluekoi.synthetic.tank import simulate_true_motion as demo_tank
 from small_studies import small_study
 from validation.generators.concealed import generate
 from validation.generators.concealed.effects import PHYSICS, UNLISTED
@@ -75,7 +75,11 @@ def core_path(laws: HiddenLaws, command: TrialCommand, body: BodyParameters = BO
 @pytest.mark.parametrize(("power", "angle_deg"), [(2.37, 30.0), (5.82, -45.0), (5.82, 0.0)])
 def test_the_compiled_tank_agrees_with_the_tank_of_the_demo(fin, power, angle_deg):
     run = TrialSettings(power, math.radians(angle_deg), 0.12, start=(1.0, 0.7, 0.4))
-    tank = Tank(fin=fin, recoil=None) if fin else published_model_tank(Tank())
+    tank = (
+        GroundTruthPhysics(fin=fin, recoil=None)
+        if fin
+        else published_model_tank(GroundTruthPhysics())
+    )
     expected = demo_tank(tank, run, SHORT_S).mean(np.linspace(0, SHORT_S, 26))[:, :3]
     laws = HiddenLaws(fin_m2=0.025, fin_arm_m=0.11) if fin else HiddenLaws()
     found = core_path(laws, TrialCommand(power, math.radians(angle_deg), 0.12, 1.0, 0.7, 0.4))
@@ -172,7 +176,7 @@ def test_laws_without_a_side_are_mirror_symmetric(name):
 
 
 def test_compiled_eddies_equal_those_of_the_demo():
-    eddies = draw_eddies(np.random.default_rng(3), 0.002)
+    eddies = random_eddies(np.random.default_rng(3), 0.002)
     for x, y, t in ((0.3, 0.4, 0.0), (2.0, 1.1, 5.0)):
         assert complex(*eddy_flow(eddies_as_rows(eddies), t, x, y)) == pytest.approx(
             water_velocity(eddies, t, complex(x, y)), abs=1e-15

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bluekoi.campaign import Campaign
-from bluekoi.data import Steady
+from bluekoi.data import SteadyState
 from bluekoi.report.findings import Row
 from bluekoi.report.numbers import (
     Z_95,
@@ -188,7 +188,7 @@ def _trial_rows(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
     ]
 
 
-def _trial_row(name: str, found: Steady, entry: Mapping[str, Any]) -> Row:
+def _trial_row(name: str, found: SteadyState, entry: Mapping[str, Any]) -> Row:
     speed, radius = true_steady(entry, found.steady_from_s, found.steady_to_s)
     turning = math.isfinite(found.radius_m)
     cells = [_true_and_found_cells(speed, found.speed_m_s)]

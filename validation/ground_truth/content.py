@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from bluekoi.data import Float
-from bluekoi.model import COEFFICIENTS
+from bluekoi.model import HYDRODYNAMIC_COEFFICIENTS
 
 Tree = Mapping[str, Any]
 KNOWN_KEYS = ("hidden", "causes", "coefficients", "body", "trials")
@@ -35,7 +35,7 @@ def true_coefficients(truth: Tree) -> dict[str, Any]:
     if isinstance(found, Mapping):
         return dict(found)
     body = truth.get("body")
-    names = [p.name for p in COEFFICIENTS]
+    names = [p.name for p in HYDRODYNAMIC_COEFFICIENTS]
     return {n: body[n] for n in names if n in body} if isinstance(body, Mapping) else {}
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import input_error
 from ..study import VIDEO_SUFFIXES
-from .boards import Board, BoardView, Grey, find_board
+from .boards import Board, BoardView, GreyPicture, find_board
 from .image_circle import ImageCircle, image_circle
 
 MAX_VIDEO_FRAMES = 80
@@ -23,7 +23,9 @@ MIN_VIEW_MOVEMENT_SHARE_OF_WIDTH = 0.03
 """Movement of the board, over the picture's width, that makes another view."""
 
 
-def read_grey_pictures(paths: Iterable[str | Path], board: Board) -> Iterator[tuple[str, Grey]]:
+def read_grey_pictures(
+    paths: Iterable[str | Path], board: Board
+) -> Iterator[tuple[str, GreyPicture]]:
     """Name and grey picture of each photograph, and of up to 80 frames spread over each video; of a
     video without the board, which takes long to search, only the first look.
 
@@ -48,7 +50,7 @@ class BoardViews:
     circle: ImageCircle | None
 
 
-def find_board_views(pictures: Iterable[tuple[str, Grey]], board: Board) -> BoardViews:
+def find_board_views(pictures: Iterable[tuple[str, GreyPicture]], board: Board) -> BoardViews:
     """Views of the board in all pictures.
 
     A picture whose board has hardly moved since an earlier view adds nothing and is skipped.
@@ -57,7 +59,7 @@ def find_board_views(pictures: Iterable[tuple[str, Grey]], board: Board) -> Boar
     """
     views: list[BoardView] = []
     without: list[str] = []
-    brightest: Grey | None = None
+    brightest: GreyPicture | None = None
     for name, grey in pictures:
         if brightest is None:
             brightest = grey
@@ -82,7 +84,7 @@ def find_board_views(pictures: Iterable[tuple[str, Grey]], board: Board) -> Boar
     return BoardViews(views, without, (width, height), image_circle(brightest))
 
 
-def _other_size_error(name: str, grey: Grey, first: Grey) -> Exception:
+def _other_size_error(name: str, grey: GreyPicture, first: GreyPicture) -> Exception:
     return input_error(
         name,
         "",
@@ -101,7 +103,7 @@ def _is_repeated_view(view: BoardView, views: list[BoardView], width: int) -> bo
     )
 
 
-def _read_photograph(path: Path) -> Grey:
+def _read_photograph(path: Path) -> GreyPicture:
     try:
         content = np.frombuffer(path.read_bytes(), dtype=np.uint8)
     except OSError as error:
@@ -116,7 +118,7 @@ def _read_photograph(path: Path) -> Grey:
     return np.asarray(grey, dtype=np.uint8)
 
 
-def _spread_video_frames(path: Path, most: int) -> Iterator[tuple[str, Grey]]:
+def _spread_video_frames(path: Path, most: int) -> Iterator[tuple[str, GreyPicture]]:
     video = cv2.VideoCapture(str(path))
     try:
         count = int(video.get(cv2.CAP_PROP_FRAME_COUNT))

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from ..data import Float
 from ..errors import input_error
 
-Grey = npt.NDArray[np.uint8]
+GreyPicture = npt.NDArray[np.uint8]
 BOARD_KINDS = ("chessboard", "charuco")
 """Kinds of calibration board."""
 ARUCO_DICTIONARIES = (
@@ -74,7 +74,7 @@ def read_board(pattern: str, square_mm: float, kind: str) -> Board:
     return Board(int(sides[0]), int(sides[1]), square_mm / 1000, kind)
 
 
-def find_board(grey: Grey, board: Board, name: str) -> BoardView | None:
+def find_board(grey: GreyPicture, board: Board, name: str) -> BoardView | None:
     """View of the board in a picture, or None where it is not found."""
     return (
         _find_charuco_board(grey, board, name)
@@ -83,7 +83,7 @@ def find_board(grey: Grey, board: Board, name: str) -> BoardView | None:
     )
 
 
-def refine_corners(grey: Grey, corners_px: Float, square_px: float) -> Float:
+def refine_corners(grey: GreyPicture, corners_px: Float, square_px: float) -> Float:
     """Corners (n, 2) at the saddle of the picture: the median over several window sizes.
 
     A window that reaches the next corner or the board's edge runs away; the median of four does
@@ -98,7 +98,7 @@ def refine_corners(grey: Grey, corners_px: Float, square_px: float) -> Float:
     return np.median(np.array(found, dtype=float), axis=0).reshape(-1, 2)
 
 
-def _find_chessboard(grey: Grey, board: Board, name: str) -> BoardView | None:
+def _find_chessboard(grey: GreyPicture, board: Board, name: str) -> BoardView | None:
     size = (board.columns, board.rows)
     flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
     found, corners = cv2.findChessboardCorners(grey, size, flags=flags)
@@ -113,7 +113,7 @@ def _find_chessboard(grey: Grey, board: Board, name: str) -> BoardView | None:
     return BoardView(name, board.corners_m, refined)
 
 
-def _find_charuco_board(grey: Grey, board: Board, name: str) -> BoardView | None:
+def _find_charuco_board(grey: GreyPicture, board: Board, name: str) -> BoardView | None:
     best = None
     for dictionary in ARUCO_DICTIONARIES:
         detector = _charuco_detector(board, dictionary)

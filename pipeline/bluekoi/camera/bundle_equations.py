@@ -99,7 +99,7 @@ def _cross_matrix(vectors: Float) -> Float:
     return np.cross(vectors[:, None], np.eye(3)[None]).swapaxes(1, 2)
 
 
-def normal_equations(
+def bundle_normal_equations(
     state: Float, poses: Float, corners: StackedCorners, residuals: Float
 ) -> NormalEquations:
     """Normal equations of each view at a lens (p,) and poses (views, 6)."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..data import Float
 from .pool_projection import PoolCamera
-from .rigid_distances import Distances
+from .rigid_distances import RigidDistances
 
 DISTANCE_MAP_CELLS = (8, 5)
 
@@ -30,7 +30,7 @@ class DistanceMap:
     model: Float
 
 
-def distance_map(camera: PoolCamera, distances: Distances, predicted: Float) -> DistanceMap:
+def distance_map(camera: PoolCamera, distances: RigidDistances, predicted: Float) -> DistanceMap:
     """Relative excess of the distances over the pool beside what a named error predicts (n,)."""
     length, width = camera.pool_size_m
     x_edges = np.linspace(0, length, DISTANCE_MAP_CELLS[0] + 1)

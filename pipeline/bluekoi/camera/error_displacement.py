@@ -14,9 +14,9 @@ from scipy.optimize import least_squares
 
 from ..data import Float
 from ..errors import InputError
-from ..study import Camera, Pool, Setup
+from ..study import Camera, Pool, StudySettings
 from .pool_projection import PoolCamera, map_to_pool
-from .rigid_distances import ERROR_PARAMETERS, CameraGeometry, pixels_of_places
+from .rigid_distances import GEOMETRY_ERROR_FUNCTIONS, CameraGeometry, pixels_of_places
 from .study_camera import pool_camera_from_parts
 
 WATER_INDEX = 1.333
@@ -48,7 +48,7 @@ class CameraErrorConstants:
     lens_pull_m3: tuple[float, float]
 
 
-def camera_error_constants(setup: Setup) -> CameraErrorConstants:
+def camera_error_constants(setup: StudySettings) -> CameraErrorConstants:
     """The numbers of a study's camera; those of one over the middle where no lens is stated or the
     corners fit no pose (an error of the stages that need one).
     """
@@ -146,7 +146,7 @@ def _pool_grid(camera: PoolCamera) -> Float:
 
 def _lens_error_displacements(camera: PoolCamera, places: Float, depth_m: float) -> Float:
     """Displacement (n, 2) of places (n, 2) by a unit error of the lens's first coefficient."""
-    geometry, (change, step) = CameraGeometry(camera, depth_m), ERROR_PARAMETERS["k1"]
+    geometry, (change, step) = CameraGeometry(camera, depth_m), GEOMETRY_ERROR_FUNCTIONS["k1"]
     pixels = pixels_of_places(geometry, places)
     high, low = (map_to_pool(change(geometry, s).camera, pixels, depth_m) for s in (step, -step))
     return (high - low) / (2 * step)

@@ -7,11 +7,11 @@ import numpy.typing as npt
 
 from ..data import Float
 from .boards import BoardView
-from .bundle_equations import gather_corners, normal_equations, residuals_px
+from .bundle_equations import bundle_normal_equations, gather_corners, residuals_px
 from .lens import lens_parameters
 from .lens_bundle_adjustment import LensFit
 
-Index = npt.NDArray[np.intp]
+IntegerIndexArray = npt.NDArray[np.intp]
 
 MIN_FOCAL_DIFFERENCE_SHARE, MIN_BETWEEN_TO_WITHIN_GROUP_RATIO = 0.01, 5.0
 """Two zooms differ by this share of the focal length at least, and by this many times the scatter
@@ -29,7 +29,7 @@ def zoom_change_remark(fit: LensFit, views: list[BoardView]) -> str:
     """
     if len(views) < 2 * MIN_VIEWS_PER_GROUP:
         return ""
-    change, std = focal_length_by_view(fit, views)
+    change, std = focal_length_change_by_view(fit, views)
     order = np.argsort(change)
     splits = [
         (order[:k], order[k:])
@@ -53,7 +53,7 @@ def zoom_change_remark(fit: LensFit, views: list[BoardView]) -> str:
     )
 
 
-def focal_length_by_view(fit: LensFit, views: list[BoardView]) -> tuple[Float, Float]:
+def focal_length_change_by_view(fit: LensFit, views: list[BoardView]) -> tuple[Float, Float]:
     """Relative change (views,) of both focal lengths that each view alone asks for, and its std.
 
     To first order, with the view's own pose adjusted; the std takes the residuals of all views as
@@ -61,7 +61,7 @@ def focal_length_by_view(fit: LensFit, views: list[BoardView]) -> tuple[Float, F
     """
     state, corners = lens_parameters(fit.lens), gather_corners(fit.lens, views)
     residuals = residuals_px(state, fit.poses, corners)
-    normal = normal_equations(state, fit.poses, corners, residuals)
+    normal = bundle_normal_equations(state, fit.poses, corners, residuals)
     scaling = np.zeros(len(state))
     scaling[:2] = state[:2]
     cross = np.einsum("vpi,p->vi", normal.cross, scaling)
@@ -72,7 +72,9 @@ def focal_length_by_view(fit: LensFit, views: list[BoardView]) -> tuple[Float, F
     return score / information, np.sqrt(float(np.mean(residuals**2)) / information)
 
 
-def _weighted_mean_and_scatter(change: Float, std: Float, group: Index) -> tuple[float, float]:
+def _weighted_mean_and_scatter(
+    change: Float, std: Float, group: IntegerIndexArray
+) -> tuple[float, float]:
     """Weighted mean of a group's focal length changes, and the weighted sum of squares about it."""
     weight = std[group] ** -2.0
     mean = float(weight @ change[group] / weight.sum())

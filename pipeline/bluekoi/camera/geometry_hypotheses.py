@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ..data import Float
-from .rigid_distances import Distances
+from .rigid_distances import RigidDistances
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ class HypothesisFit:
 
 
 def fit_hypothesis(
-    hypothesis: GeometryHypothesis, patterns: dict[str, Float], distances: Distances,
+    hypothesis: GeometryHypothesis, patterns: dict[str, Float], distances: RigidDistances,
     min_share: float = SYSTEMATIC_LENGTH_ERROR_SHARE,
 ) -> HypothesisFit:  # fmt: skip
     """One hypothesis fitted alone by weighted least squares with its prior.
@@ -152,7 +152,7 @@ def fit_hypothesis(
 
 
 def _cluster_covariance(
-    design: Float, values: Float, distances: Distances, normal: Float
+    design: Float, values: Float, distances: RigidDistances, normal: Float
 ) -> tuple[Float, int]:
     """Covariance of the values, the larger of independent frames and trials as clusters."""
     bread = np.linalg.inv(normal)

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import Finding, InputError, input_error
+from ..errors import InputError, InputIssue, input_error
 from ..files import read_json
 from .lens import Lens
 from .lens_selection import lens_implausibilities
 
-STRETCHED_LENS_MODES = ("superview", "hyperview", "super", "hyper")
+STRETCHED_PROFILE_MODES = ("superview", "hyperview", "super", "hyper")
 """Lens modes that stretch the picture by an unknown law; profiles of these are refused."""
 
 
@@ -40,7 +40,7 @@ def read_profile(path: str | Path) -> tuple[Lens, float, int]:
     lens = Lens("fisheye", matrix, distortion, size)
     if wrong := lens_implausibilities(lens, size, rms):
         raise InputError(
-            Finding(str(path), "", reason, "a lens that can be right", "Take another profile.")
+            InputIssue(str(path), "", reason, "a lens that can be right", "Take another profile.")
             for reason in wrong
         )
     return lens, rms, count
@@ -57,7 +57,7 @@ def _refuse_stretched(path: str | Path, content: dict[str, Any]) -> None:
     stretch = [content.get(f"input_{way}_stretch") or 1.0 for way in ("horizontal", "vertical")]
     model = content.get("distortion_model") or "opencv_fisheye"
     found = {
-        f"lens mode {mode}": any(word in mode for word in STRETCHED_LENS_MODES),
+        f"lens mode {mode}": any(word in mode for word in STRETCHED_PROFILE_MODES),
         f"a digital lens ({content.get('digital_lens')})": bool(content.get("digital_lens")),
         f"a stretch of {stretch}": stretch != [1.0, 1.0],
         f"distortion model {model}": model != "opencv_fisheye",

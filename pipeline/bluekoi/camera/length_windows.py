@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
-from .rigid_distances import Distances
+from .rigid_distances import RigidDistances
 
 LENGTH_WINDOW_S = 0.5
 """Duration in which a robot moves by a fifth of a metre and turns by less than a radian."""
@@ -17,7 +17,7 @@ MAX_LENGTH_WINDOWS = 6000
 STORED_DECIMALS = 7  # a tenth of a micrometre
 
 
-def window_means(distances: Distances) -> Distances:
+def window_means(distances: RigidDistances) -> RigidDistances:
     """Means of distances over windows of one pair in one trial; std_m (n,): of each mean, frames
     taken as independent.
     """
@@ -32,24 +32,26 @@ def window_means(distances: Distances) -> Distances:
             return np.column_stack([mean(column) for column in values.T])
         return np.asarray(np.bincount(place, weights=values) / count)
 
-    means = {f.name: mean(getattr(distances, f.name)) for f in fields(Distances)}
+    means = {f.name: mean(getattr(distances, f.name)) for f in fields(RigidDistances)}
     variance = np.bincount(place, weights=distances.std_m**2) / count
-    return Distances(**{**means, "std_m": np.sqrt(variance / count)})
+    return RigidDistances(**{**means, "std_m": np.sqrt(variance / count)})
 
 
-def _window_index(distances: Distances, step_s: float) -> Float:
+def _window_index(distances: RigidDistances, step_s: float) -> Float:
     """Trial, pair and window (n, 3) of each distance."""
     return np.column_stack(
         [distances.trial, distances.pair, np.floor(distances.time_s / step_s)]
     ).round()
 
 
-def windows_to_columns(windows: Distances) -> dict[str, Any]:
+def windows_to_columns(windows: RigidDistances) -> dict[str, Any]:
     """Windows as columns of a json object."""
-    return {f.name: np.round(getattr(windows, f.name), STORED_DECIMALS) for f in fields(Distances)}
+    return {
+        f.name: np.round(getattr(windows, f.name), STORED_DECIMALS) for f in fields(RigidDistances)
+    }
 
 
-def windows_from_columns(columns: Mapping[str, Any]) -> Distances:
+def windows_from_columns(columns: Mapping[str, Any]) -> RigidDistances:
     """Windows from the columns of a json object."""
-    return Distances(**{f.name: np.array(columns[f.name], dtype=np.float64)
-                        for f in fields(Distances)})  # fmt: skip
+    return RigidDistances(**{f.name: np.array(columns[f.name], dtype=np.float64)
+                             for f in fields(RigidDistances)})  # fmt: skip

@@ -113,7 +113,7 @@ def undistort_points(lens: Lens, target: Float) -> Float:
     pinhole: tangents x/z, y/z. fisheye: angle from the axis times its direction.
     """
     plane = _undistort_by_radial_table(lens, target)
-    limit = fold_radius(lens)
+    limit = max_monotonic_radius(lens)
     for _ in range(20):
         image, slope = _distort_with_derivatives(lens, plane)
         error = image - target
@@ -159,7 +159,7 @@ def _distort_by_opencv(lens: Lens, plane: Float) -> tuple[Float, Float]:
     return np.asarray(image, dtype=float).reshape(-1, 2), slope
 
 
-def fold_radius(lens: Lens) -> float:
+def max_monotonic_radius(lens: Lens) -> float:
     """Plane radius up to which the radial part grows: beyond it the model folds the picture over.
 
     pinhole: a tangent, searched up to 6. fisheye: an angle in rad, searched up to pi.
@@ -167,7 +167,7 @@ def fold_radius(lens: Lens) -> float:
     return float(lens.radial_table[0][-1])
 
 
-def fold_radius_px(lens: Lens) -> float:
+def max_monotonic_radius_px(lens: Lens) -> float:
     """Distance from the image centre, in px, at which the lens model folds over."""
     return float(lens.radial_table[1][-1] * np.sqrt(lens.matrix[0, 0] * lens.matrix[1, 1]))
 
@@ -183,7 +183,7 @@ def _plane_coordinates(lens: Lens, points: Float) -> tuple[Float, np.ndarray]:
             gain = 1 / depth
         plane = points[:, :2] * gain[:, None]
         radius = np.hypot(plane[:, 0], plane[:, 1])
-        seen = np.isfinite(radius) & (radius <= fold_radius(lens))
+        seen = np.isfinite(radius) & (radius <= max_monotonic_radius(lens))
         if lens.model == "pinhole":
             seen &= depth > 0
     return plane, seen

@@ -12,10 +12,10 @@ from scipy.optimize import least_squares
 from ..data import Float
 from .boards import BoardView
 from .bundle_equations import (
+    bundle_normal_equations,
     gather_corners,
     jackknife_lens_covariance,
     levenberg_marquardt_step,
-    normal_equations,
     residuals_px,
 )
 from .lens import Lens, lens_from_parameters, lens_parameters, ray_directions
@@ -97,7 +97,7 @@ def bundle_adjustment(
     state, damping, corners = lens_parameters(lens), 1e-3, gather_corners(lens, views)
     residuals = residuals_px(state, poses, corners)
     for _ in range(iterations):
-        normal = normal_equations(state, poses, corners, residuals)
+        normal = bundle_normal_equations(state, poses, corners, residuals)
         while damping < 1e12:
             lens_step, pose_steps = levenberg_marquardt_step(normal, damping)
             trial = residuals_px(state + lens_step, poses + pose_steps, corners)
@@ -111,7 +111,7 @@ def bundle_adjustment(
         damping /= 10
         if gain < MIN_RELATIVE_COST_DECREASE:
             break
-    lens_cov = jackknife_lens_covariance(normal_equations(state, poses, corners, residuals))
+    lens_cov = jackknife_lens_covariance(bundle_normal_equations(state, poses, corners, residuals))
     by_view = tuple(residuals[part] for part in corners.slices)
     return LensFit(lens_from_parameters(state, lens.model, lens.size_px), poses, by_view, lens_cov)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..data import Float
-from ..errors import Finding, InputError, input_error
+from ..errors import InputError, InputIssue, input_error
 from ..files import write_text
 from .board_pictures import BoardViews, find_board_views, read_grey_pictures
 from .boards import BoardView, read_board
@@ -22,7 +22,7 @@ from .lens import LENS_MODELS, Lens
 from .lens_selection import (
     MODELS_COMPARED,
     LensCandidate,
-    evaluate_model,
+    fit_lens_candidate,
     image_coverage,
     opencv_held_out_rms,
     select_lens,
@@ -35,7 +35,7 @@ MAX_HELD_OUT_TO_USED_ERROR_RATIO = 1.2
 
 
 @dataclass(frozen=True)
-class Calibration:
+class LensCalibration:
     """A calibrated lens and its accuracy.
 
     lens_std: of fx, fy, cx, cy and the distortion. rms_px: corners used in the fit; held_out_px:
@@ -68,7 +68,7 @@ class Calibration:
 def calibrate_files(
     images: Sequence[str | Path], *, pattern: str = "9x6", square_mm: float = 25.0, board: str =
     "chessboard", model: str = "auto", out: str | Path = "camera.yaml",
-) -> Calibration:  # fmt: skip
+) -> LensCalibration:  # fmt: skip
     """Calibration written to `out` as a camera section for study.yaml, with a picture beside it.
 
     images: photographs or videos of the board, or a single lens-profile json. pattern: inner
@@ -111,7 +111,7 @@ def select_lens_model(
         if model in ("auto", name):
             with suppress(ValueError):
                 candidates.append(
-                    evaluate_model(views, name, terms, size_px, circle=circle, simpler=simpler)
+                    fit_lens_candidate(views, name, terms, size_px, circle=circle, simpler=simpler)
                 )
     best = select_lens(candidates)
     if best is None:
@@ -119,14 +119,14 @@ def select_lens_model(
     return best, candidates
 
 
-def calibration_from_profile(path: str | Path) -> Calibration:
+def calibration_from_profile(path: str | Path) -> LensCalibration:
     """Calibration as a lens-profile json states it, scaled to `size_px` where given."""
     lens, rms, count = read_profile(path)
     remark = (
         "from a lens profile made with another camera of this type: good for a start; calibrate "
         "your own for measurements"
     )
-    return Calibration(
+    return LensCalibration(
         lens=lens,
         lens_std=np.full(8, np.nan),
         rms_px=rms,
@@ -139,7 +139,7 @@ def calibration_from_profile(path: str | Path) -> Calibration:
     )
 
 
-def camera_section(result: Calibration) -> str:
+def camera_section(result: LensCalibration) -> str:
     """The `camera:` section of study.yaml, its quality in comments."""
     lens, std = result.lens, result.lens_std
     rows = ", ".join("[" + ", ".join(f"{x:.6g}" for x in row) + "]" for row in lens.matrix)
@@ -165,7 +165,7 @@ def camera_section(result: Calibration) -> str:
 
 def _calibration_result(
     best: LensCandidate, candidates: list[LensCandidate], found: BoardViews
-) -> Calibration:
+) -> LensCalibration:
     covered = image_coverage(best.views, found.size_px, found.circle)
     remarks = []
     if found.without:
@@ -185,7 +185,7 @@ def _calibration_result(
         remarks.append("held-out views fit worse than those used: take more views")
     if two := zoom_change_remark(best.fit, list(best.views)):
         remarks.append(two)
-    return Calibration(
+    return LensCalibration(
         lens=best.fit.lens,
         lens_std=np.sqrt(np.diag(best.fit.lens_cov)),
         rms_px=best.fit.rms_px,
@@ -214,7 +214,7 @@ def _candidate_sentence(candidate: LensCandidate) -> str:
 
 def _all_models_refused_error(
     candidates: list[LensCandidate], views: int, circle: ImageCircle | None
-) -> list[Finding]:
+) -> list[InputIssue]:
     expected = "a lens that can be right"
     reach = "bring the board to the rim of the image circle" if circle else "fill the frame"
     remedy = (
@@ -227,10 +227,10 @@ def _all_models_refused_error(
             reasons.setdefault(reason, []).append(candidate.label)
     if not reasons:
         found = f"{views} views that no starting focal length suits"
-        return [Finding("calibrate", "", found, expected, remedy)]
+        return [InputIssue("calibrate", "", found, expected, remedy)]
     if circle:
         remedy = f"The pictures show an {circle.text}. {remedy}"
     return [
-        Finding("calibrate", "; ".join(labels), reason, expected, remedy if not i else "")
+        InputIssue("calibrate", "; ".join(labels), reason, expected, remedy if not i else "")
         for i, (reason, labels) in enumerate(reasons.items())
     ]

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from ..data import Float
 from .boards import BoardView
 from .image_circle import ImageCircle
-from .lens import Lens, fold_radius, fold_radius_px, lens_parameters
+from .lens import Lens, lens_parameters, max_monotonic_radius, max_monotonic_radius_px
 from .lens_bundle_adjustment import LensFit, bundle_adjustment, fit_lens, held_out_residuals, rms_px
 from .opencv_comparison import opencv_lens
 
@@ -59,7 +59,7 @@ class LensCandidate:
         return f"{self.model}, {self.terms} coefficients"
 
 
-def evaluate_model(
+def fit_lens_candidate(
     views: list[BoardView], model: str, terms: int, size_px: tuple[int, int], *,
     circle: ImageCircle | None = None, simpler: Sequence[Lens] = (),
 ) -> LensCandidate:  # fmt: skip
@@ -81,7 +81,7 @@ def evaluate_model(
     else:
         left_out = []
     held_out = held_out_rms(views, lambda kept: _refit_lens_to_views(fit, views, kept))
-    reasons = tuple(implausibilities(fit, size_px, circle))
+    reasons = tuple(lens_fit_refusal_reasons(fit, size_px, circle))
     return LensCandidate(model, terms, fit, tuple(views), tuple(left_out), held_out, reasons)
 
 
@@ -130,7 +130,7 @@ def select_lens(candidates: list[LensCandidate]) -> LensCandidate | None:
     return min(close, key=lambda c: (c.terms, c.held_out_px))
 
 
-def implausibilities(
+def lens_fit_refusal_reasons(
     fit: LensFit, size_px: tuple[int, int], circle: ImageCircle | None = None
 ) -> list[str]:
     """Reasons why this lens cannot be right; empty where there are none."""
@@ -173,7 +173,7 @@ def lens_implausibilities(
         f"the optical centre ({cx:.0f}, {cy:.0f}) lies {100 * offset:.0f} % off the middle of the "
         f"{where}": offset > MAX_PRINCIPAL_POINT_OFFSET_SHARE,
         f"the distortion is not monotonic inside the {where}: it folds over "
-        f"{fold_radius_px(lens):.0f} px from the centre": folds_inside_image(lens, circle),
+        f"{max_monotonic_radius_px(lens):.0f} px from the centre": folds_inside_image(lens, circle),
         f"corners miss by {corner_rms_px:.2f} px rms, more than {limit:.2f}": corner_rms_px > limit,
     }
     return [reason for reason, applies in checks.items() if applies]
@@ -189,9 +189,9 @@ def folds_inside_image(lens: Lens, circle: ImageCircle | None = None) -> bool:
     cx, cy = lens.matrix[:2, 2]
     farthest = float(np.hypot(max(cx, width - cx), max(cy, height - cy)))
     if circle:
-        return fold_radius_px(lens) < min(farthest, circle.max_distance_px(cx, cy))
-    beyond_horizon = lens.model == "fisheye" and fold_radius(lens) > np.pi / 2
-    return fold_radius_px(lens) < farthest and not beyond_horizon
+        return max_monotonic_radius_px(lens) < min(farthest, circle.max_distance_px(cx, cy))
+    beyond_horizon = lens.model == "fisheye" and max_monotonic_radius(lens) > np.pi / 2
+    return max_monotonic_radius_px(lens) < farthest and not beyond_horizon
 
 
 def board_tilts_deg(poses: Float) -> Float:

@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from .png_file import Picture, write_png
+from .png_file import PngPixels, write_png
 
 MAX_GRID_LINES = 20
 """Lines over the longer side of the picture, at most."""
@@ -15,7 +15,7 @@ LIGHT_LABEL_BGR, DARK_OUTLINE_BGR = (255, 255, 255), (40, 40, 40)
 """Colours of the lines and of the outlines of their labels."""
 
 
-def frame_with_pixel_grid(frame: Picture, out: str | Path) -> tuple[str, ...]:
+def frame_with_pixel_grid(frame: PngPixels, out: str | Path) -> tuple[str, ...]:
     """A frame (height, width, 3) bgr with labelled lines every so many pixels, as a png.
 
     Returns what a person has to do, in sentences. Raises: InputError where the file cannot be
@@ -48,7 +48,7 @@ def _next_round_number(least: float) -> int:
     return int(next(power * k for k in (1, 2, 5, 10) if power * k >= least))
 
 
-def _draw_label(canvas: Picture, text: str, place: tuple[int, int]) -> None:
+def _draw_label(canvas: PngPixels, text: str, place: tuple[int, int]) -> None:
     for colour, thick in ((DARK_OUTLINE_BGR, 3), (LIGHT_LABEL_BGR, 1)):
         cv2.putText(canvas, text, place, cv2.FONT_HERSHEY_SIMPLEX, 0.45, colour, thick,
                     cv2.LINE_AA)  # fmt: skip

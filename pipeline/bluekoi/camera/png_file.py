@@ -11,10 +11,10 @@ import numpy.typing as npt
 from ..errors import input_error
 from ..files import atomic_write
 
-Picture = npt.NDArray[np.uint8]
+PngPixels = npt.NDArray[np.uint8]
 
 
-def write_png(out: str | Path, canvas: Picture) -> None:
+def write_png(out: str | Path, canvas: PngPixels) -> None:
     """Write (height, width, 3) bgr. Raises: InputError where it cannot be written."""
     good, content = cv2.imencode(".png", canvas)
     if not good:

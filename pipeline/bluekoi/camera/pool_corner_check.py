@@ -10,10 +10,10 @@ import numpy as np
 
 from ..data import Float
 from ..errors import InputError, input_error
-from ..study import Setup
+from ..study import StudySettings
 from ..study.recording_pixels import setup_in_film_pixels, to_study_pixels
-from .boards import Grey
-from .png_file import Picture, write_png
+from .boards import GreyPicture
+from .png_file import PngPixels, write_png
 from .pool_corner_fit import EDGE_NAMES, CornerFit, fit_corners
 from .pool_projection import PoolCamera, pool_to_pixels
 from .resection import CORNER_NAMES, diagonal_px
@@ -70,7 +70,7 @@ class CornersComparison:
     check: CornersCheck
 
 
-def pool_corners_picture(frame: Picture, setup: Setup, out: str | Path) -> CornersCheck:
+def pool_corners_picture(frame: PngPixels, setup: StudySettings, out: str | Path) -> CornersCheck:
     """Corners, mapped grid and pool edges drawn on a frame (height, width[, 3] bgr), as a png.
 
     Red: corners as given. Light blue: a 0.2 m grid in the plane of the corners, as the camera maps
@@ -82,7 +82,7 @@ def pool_corners_picture(frame: Picture, setup: Setup, out: str | Path) -> Corne
     grey, canvas = _grey_and_colour(frame)
     found = compare_corners(grey, setup)
     if found.camera is not None:
-        for image in grid_px(found.camera):
+        for image in projected_pool_grid_px(found.camera):
             _draw_polyline(canvas, image, MAPPED_GRID_BGR, 1)
     for points in edge_points_px(found.fit):
         _draw_edge_points(canvas, points)
@@ -92,7 +92,7 @@ def pool_corners_picture(frame: Picture, setup: Setup, out: str | Path) -> Corne
     return found.check
 
 
-def compare_corners(grey: Grey, setup: Setup) -> CornersComparison:
+def compare_corners(grey: GreyPicture, setup: StudySettings) -> CornersComparison:
     """The corners of a study compared with the edges of the pool in a frame (height, width).
 
     Raises: InputError where the frame's shape is not that of the study's picture.
@@ -117,7 +117,7 @@ def compare_corners(grey: Grey, setup: Setup) -> CornersComparison:
 
 
 def _camera_from_given_corners(
-    setup: Setup, size: tuple[int, int]
+    setup: StudySettings, size: tuple[int, int]
 ) -> tuple[PoolCamera | None, tuple[str, ...]]:
     """Camera by the corners given, and how well they fit a pose (which takes a camera matrix)."""
     try:
@@ -130,7 +130,9 @@ def _camera_from_given_corners(
     return camera, (miss, *camera.remarks)
 
 
-def _pose_misfit_sentence(setup: Setup, size: tuple[int, int], fit: CornerFit) -> tuple[str, ...]:
+def _pose_misfit_sentence(
+    setup: StudySettings, size: tuple[int, int], fit: CornerFit
+) -> tuple[str, ...]:
     """A doubt where the corners found fit no pose of the lens over a pool of this size."""
     if setup.camera.matrix is None or not np.isfinite(fit.corners_px).all():
         return ()
@@ -145,7 +147,7 @@ def _pose_misfit_sentence(setup: Setup, size: tuple[int, int], fit: CornerFit) -
     return (f"the corners found miss the best pose by {camera.rms_px:.1f} px rms",)
 
 
-def with_pool_corners(setup: Setup, corners_px: Float) -> Setup:
+def with_pool_corners(setup: StudySettings, corners_px: Float) -> StudySettings:
     """Setup with other pool corners (4, 2), in the pixels of study.yaml."""
     corners = tuple((float(u), float(v)) for u, v in corners_px)
     camera = setup.camera.model_copy(update={"pool_corners_px": corners})
@@ -168,7 +170,7 @@ def _displaced_corner_sentences(off_px: Float, fit: CornerFit, given_px: Float) 
     )
 
 
-def _scaled_frame_remark(setup: Setup, size: tuple[int, int]) -> tuple[str, ...]:
+def _scaled_frame_remark(setup: StudySettings, size: tuple[int, int]) -> tuple[str, ...]:
     """A remark on a frame that is the study's picture scaled."""
     stated = setup.camera.image_size_px
     if stated is None or tuple(stated) == size:
@@ -189,7 +191,7 @@ def _edge_sentences(fit: CornerFit) -> tuple[str, ...]:
 
 
 def _corner_suggestion_lines(
-    setup: Setup, size: tuple[int, int], fit: CornerFit, *, certain: bool
+    setup: StudySettings, size: tuple[int, int], fit: CornerFit, *, certain: bool
 ) -> tuple[str, ...]:
     lines = []
     if np.isfinite(fit.corners_px).all():
@@ -206,12 +208,12 @@ def _corner_suggestion_lines(
     return tuple(lines)
 
 
-def _corners_as_yaml_key(setup: Setup, size: tuple[int, int], corners_px: Float) -> str:
+def _corners_as_yaml_key(setup: StudySettings, size: tuple[int, int], corners_px: Float) -> str:
     corners = to_study_pixels(setup, size, corners_px)
     return f"pool_corners_px: [{', '.join(f'[{u:.1f}, {v:.1f}]' for u, v in corners)}]"
 
 
-def _grey_and_colour(frame: Picture) -> tuple[Grey, Picture]:
+def _grey_and_colour(frame: PngPixels) -> tuple[GreyPicture, PngPixels]:
     if frame.ndim == 2:
         return frame, np.ascontiguousarray(np.repeat(frame[:, :, None], 3, axis=2))
     if frame.ndim != 3 or frame.shape[2] != 3:
@@ -222,7 +224,7 @@ def _grey_and_colour(frame: Picture) -> tuple[Grey, Picture]:
     return np.asarray(grey, dtype=np.uint8), np.ascontiguousarray(frame).copy()
 
 
-def grid_px(camera: PoolCamera) -> list[Float]:
+def projected_pool_grid_px(camera: PoolCamera) -> list[Float]:
     """Images (n, 2) of a 0.2 m grid in the plane of the corners, a polyline each."""
     length, width = camera.pool_size_m
     height = float(camera.corners_m[0, 2])
@@ -246,12 +248,12 @@ def edge_points_px(fit: CornerFit) -> list[Float]:
     return found
 
 
-def _draw_edge_points(canvas: Picture, points: Float) -> None:
+def _draw_edge_points(canvas: PngPixels, points: Float) -> None:
     for u, v in np.round(points).astype(int):
         cv2.circle(canvas, (int(u), int(v)), max(1, canvas.shape[1] // 900), SEEN_EDGES_BGR, -1)
 
 
-def _draw_given_corners(canvas: Picture, corners: Float) -> None:
+def _draw_given_corners(canvas: PngPixels, corners: Float) -> None:
     scale = canvas.shape[1] / 1920
     _draw_polyline(
         canvas, np.vstack([corners, corners[:1]]), GIVEN_CORNERS_BGR, max(1, round(scale))
@@ -265,7 +267,7 @@ def _draw_given_corners(canvas: Picture, corners: Float) -> None:
         )  # fmt: skip
 
 
-def _draw_fitted_corners(canvas: Picture, corners: Float) -> None:
+def _draw_fitted_corners(canvas: PngPixels, corners: Float) -> None:
     for u, v in corners[np.isfinite(corners[:, 0])]:
         cv2.circle(
             canvas, (round(u), round(v)), max(6, canvas.shape[1] // 160), FITTED_CORNERS_BGR, 2
@@ -273,7 +275,7 @@ def _draw_fitted_corners(canvas: Picture, corners: Float) -> None:
 
 
 def _draw_polyline(
-    canvas: Picture, points: Float, colour: tuple[int, int, int], width: int
+    canvas: PngPixels, points: Float, colour: tuple[int, int, int], width: int
 ) -> None:
     whole = points[np.isfinite(points).all(axis=1)]
     fixed = np.round(whole * 16).astype(np.int32).reshape(-1, 1, 2)

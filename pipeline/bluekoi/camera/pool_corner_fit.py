@@ -9,14 +9,14 @@ from itertools import product
 import numpy as np
 
 from ..data import Float
-from .boards import Grey
+from .boards import GreyPicture
 from .lens import Lens, project_to_pixels, ray_directions
 from .plane_camera import homography_from_four_points
 from .pool_edges import (
     SAMPLES_PER_EDGE,
     EdgeLine,
     ExpectedEdge,
-    Picture,
+    FloatPicture,
     find_edge_lines,
     smooth_frame,
 )
@@ -87,7 +87,7 @@ class CornerFit:
 
 
 def fit_corners(
-    grey: Grey, given_px: Float, lens: Lens | None, corners_m: Float | None = None
+    grey: GreyPicture, given_px: Float, lens: Lens | None, corners_m: Float | None = None
 ) -> CornerFit:
     """Corners where the pool's edges meet, starting from corners given (4, 2), iterated.
 
@@ -137,7 +137,7 @@ def fit_corners(
     )
 
 
-def lens_from_straight_edges(picture: Picture, corners_px: Float, reach_share: float) -> Lens:
+def lens_from_straight_edges(picture: FloatPicture, corners_px: Float, reach_share: float) -> Lens:
     """Equidistant fisheye lens, r = f theta, under which the most of the edges is straight.
 
     reach_share: how far from the corners' edges lines are searched, over the picture's width.
@@ -254,7 +254,7 @@ def _corner_std_px(curves: tuple[ExpectedEdge, ...], lines: Sequence[EdgeLine | 
 
 
 def _find_second_rim(
-    picture: Picture, curves: tuple[ExpectedEdge, ...], *, inside: bool
+    picture: FloatPicture, curves: tuple[ExpectedEdge, ...], *, inside: bool
 ) -> tuple[EdgeLine, ...] | None:
     """Second rim: a line along every edge, all on one side and about equally far away."""
     middle = np.mean([curve.points_px.mean(axis=0) for curve in curves], axis=0)

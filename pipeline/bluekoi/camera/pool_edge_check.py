@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..study import Setup
+from ..study import StudySettings
 from ..study.recording_pixels import setup_in_film_pixels
-from .boards import Grey
+from .boards import GreyPicture
 from .pool_corner_fit import CornerFit, fit_corners
 from .resection import diagonal_px
 from .study_camera import lens_of_camera_section, pool_corners_m
@@ -48,7 +48,7 @@ class PoolEdgeCheck:
         )
 
 
-def compare_pool_edges(grey: Grey, setup: Setup) -> PoolEdgeCheck:
+def compare_pool_edges(grey: GreyPicture, setup: StudySettings) -> PoolEdgeCheck:
     """The pool's edges in one frame of a recording, against the corners of the study."""
     camera, corners_m = (
         setup_in_film_pixels(setup, (grey.shape[1], grey.shape[0])).camera,

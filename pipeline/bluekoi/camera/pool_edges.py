@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..data import Float
-from .boards import Grey
+from .boards import GreyPicture
 
-Picture = npt.NDArray[np.float32]
+FloatPicture = npt.NDArray[np.float32]
 SAMPLES_PER_EDGE = 80
 """Places along an edge at which it is looked for."""
 SAMPLE_SPACING_PX = 0.25
@@ -68,12 +68,14 @@ class EdgeLine:
         return float(self.ends_px.mean())
 
 
-def smooth_frame(grey: Grey) -> Picture:
+def smooth_frame(grey: GreyPicture) -> FloatPicture:
     """The frame as `find_edge_lines` takes it, without noise from pixel to pixel."""
     return np.asarray(cv2.GaussianBlur(grey, (0, 0), SMOOTHING_STD_PX), dtype=np.float32)
 
 
-def find_edge_lines(picture: Picture, curve: ExpectedEdge, reach_px: float) -> tuple[EdgeLine, ...]:
+def find_edge_lines(
+    picture: FloatPicture, curve: ExpectedEdge, reach_px: float
+) -> tuple[EdgeLine, ...]:
     """Lines within `reach_px` of a curve, those with the most samples first."""
     along = curve.along
     inner = (along >= CORNER_MARGIN_SHARE_OF_EDGE) & (along <= 1 - CORNER_MARGIN_SHARE_OF_EDGE)
@@ -92,7 +94,7 @@ def find_edge_lines(picture: Picture, curve: ExpectedEdge, reach_px: float) -> t
 
 
 def _brightness_steps(
-    picture: Picture, curve: ExpectedEdge, reach_px: float
+    picture: FloatPicture, curve: ExpectedEdge, reach_px: float
 ) -> tuple[Float, npt.NDArray[np.bool_]]:
     """Offsets (n, m) along the normals, refined at peaks of the gradient, and which are peaks."""
     across = np.arange(-reach_px, reach_px + SAMPLE_SPACING_PX, SAMPLE_SPACING_PX)

@@ -23,7 +23,7 @@ MAX_DEVIATION_ROBUST_STDS = 6.0
 
 
 @dataclass(frozen=True)
-class Distances:
+class RigidDistances:
     """Rigid distances of one campaign, each entry one pair in one frame.
 
     front_m, back_m: (n, 2) ends in the pool frame. excess_m: (n,) measured minus known length,
@@ -53,7 +53,7 @@ class CameraGeometry:
 
 def rigid_distances(
     trials: Sequence[Positions], head_lengths_m: Sequence[float], robot: Robot
-) -> Distances:
+) -> RigidDistances:
     """Distances of all confident pairs of all trials against the robot's known lengths.
 
     The noise of each pair is the scatter (1.48 MAD) about its trial's own median; distances more
@@ -78,7 +78,7 @@ def rigid_distances(
         )
     columns = {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
     stride = max(1, -(-len(columns["excess_m"]) // MAX_DISTANCES))
-    return Distances(**{name: values[::stride] for name, values in columns.items()})
+    return RigidDistances(**{name: values[::stride] for name, values in columns.items()})
 
 
 def _distances_of_pair(
@@ -135,12 +135,12 @@ def pixels_of_places(geometry: CameraGeometry, places_m: Float) -> Float:
     return pool_to_pixels(geometry.camera, np.column_stack([places_m, depth]))
 
 
-def excess_by_camera_error(
-    geometry: CameraGeometry, distances: Distances, names: Collection[str] = ()
+def length_excess_by_camera_error(
+    geometry: CameraGeometry, distances: RigidDistances, names: Collection[str] = ()
 ) -> dict[str, Float]:
     """Excess (n,) that a unit error of each parameter of the camera makes, to first order.
 
-    names: parameters of `ERROR_PARAMETERS`; without, all.
+    names: parameters of `GEOMETRY_ERROR_FUNCTIONS`; without, all.
 
     A parameter's error is true value minus value used; where it changes the lens or the pool, the
     pose is fitted again to the same corner pixels, as it was when the error was made.
@@ -152,9 +152,9 @@ def excess_by_camera_error(
         return np.asarray(np.linalg.norm(front - back, axis=1), dtype=np.float64)
 
     patterns = {}
-    for name in names or ERROR_PARAMETERS:
-        change, step = ERROR_PARAMETERS[name]
-        if name in CAMERA_PARAMETERS and geometry.camera.lens is None:
+    for name in names or GEOMETRY_ERROR_FUNCTIONS:
+        change, step = GEOMETRY_ERROR_FUNCTIONS[name]
+        if name in CAMERA_ERROR_NAMES and geometry.camera.lens is None:
             continue
         high, low = length(change(geometry, step)), length(change(geometry, -step))
         patterns[name] = np.nan_to_num(-(high - low) / (2 * step))
@@ -164,15 +164,15 @@ def excess_by_camera_error(
 
 
 def geometry_with_errors(geometry: CameraGeometry, errors: Mapping[str, float]) -> CameraGeometry:
-    """A geometry changed by errors: `ERROR_PARAMETERS` name -> true value minus value used."""
+    """A geometry changed by errors: name in `GEOMETRY_ERROR_FUNCTIONS` -> true minus used value."""
     for name, value in errors.items():
-        geometry = ERROR_PARAMETERS[name][0](geometry, value)
+        geometry = GEOMETRY_ERROR_FUNCTIONS[name][0](geometry, value)
     return geometry
 
 
 def remove_camera_errors(
-    geometry: CameraGeometry, distances: Distances, errors: Mapping[str, float]
-) -> tuple[CameraGeometry, Distances]:
+    geometry: CameraGeometry, distances: RigidDistances, errors: Mapping[str, float]
+) -> tuple[CameraGeometry, RigidDistances]:
     """Geometry and distances as they would be without errors of the camera, however large.
 
     errors: parameter -> true value minus value used.
@@ -188,7 +188,7 @@ def remove_camera_errors(
                             excess_m=distances.excess_m + grown)  # fmt: skip
 
 
-def excess_by_keypoint_shift(distances: Distances) -> dict[str, Float]:
+def length_excess_by_keypoint_shift(distances: RigidDistances) -> dict[str, Float]:
     """Excess (n,) that a unit shift of one keypoint along the body makes, m per m.
 
     head_tip along the head; hinge and core_center along the core, forwards; tail_base backwards.
@@ -262,7 +262,9 @@ def _with_camera_tilted(axis: int) -> Callable[[CameraGeometry, float], CameraGe
     return turned
 
 
-ERROR_PARAMETERS: dict[str, tuple[Callable[[CameraGeometry, float], CameraGeometry], float]] = {
+GEOMETRY_ERROR_FUNCTIONS: dict[
+    str, tuple[Callable[[CameraGeometry, float], CameraGeometry], float]
+] = {
     "scale": (_change_scale, 1e-3),
     "focal": (_change_focal_length, 1e-3),
     "k1": (_change_distortion_k1, 1e-3),
@@ -271,4 +273,4 @@ ERROR_PARAMETERS: dict[str, tuple[Callable[[CameraGeometry, float], CameraGeomet
     "depth_m": (_change_keypoint_depth, 1e-3),
     "refractive_index": (_change_refractive_index, 1e-3),
 }
-CAMERA_PARAMETERS = frozenset(ERROR_PARAMETERS) - {"scale"}
+CAMERA_ERROR_NAMES = frozenset(GEOMETRY_ERROR_FUNCTIONS) - {"scale"}

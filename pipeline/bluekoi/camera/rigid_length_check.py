@@ -26,9 +26,9 @@ from .length_windows import window_means
 from .pool_projection import PoolCamera
 from .rigid_distances import (
     CameraGeometry,
-    Distances,
-    excess_by_camera_error,
-    excess_by_keypoint_shift,
+    RigidDistances,
+    length_excess_by_camera_error,
+    length_excess_by_keypoint_shift,
     remove_camera_errors,
     rigid_distances,
 )
@@ -58,7 +58,7 @@ class GeometryCheck:
     mean_excess_std: float
     map: DistanceMap
     by_trial: Mapping[int, tuple[float, float]]
-    windows: Distances
+    windows: RigidDistances
 
 
 def check_camera_geometry(
@@ -84,7 +84,7 @@ def check_camera_geometry(
 
 def check_rigid_distances(
     geometry: CameraGeometry,
-    distances: Distances,
+    distances: RigidDistances,
     *,
     subject: str = "rigid lengths come out",
     min_share: float = SYSTEMATIC_LENGTH_ERROR_SHARE,
@@ -97,8 +97,8 @@ def check_rigid_distances(
     explains the distances as well. Hypotheses that change none of the distances are left out.
     """
     patterns = {
-        **excess_by_camera_error(geometry, distances),
-        **excess_by_keypoint_shift(distances),
+        **length_excess_by_camera_error(geometry, distances),
+        **length_excess_by_keypoint_shift(distances),
     }
     patterns = {name: pattern for name, pattern in patterns.items() if pattern.any()}
     fits = [
@@ -146,7 +146,7 @@ def _best_hypothesis(
 
 
 def _refine_lens_error(
-    first: HypothesisFit, geometry: CameraGeometry, distances: Distances
+    first: HypothesisFit, geometry: CameraGeometry, distances: RigidDistances
 ) -> HypothesisFit:
     """The fit of a lens error by Gauss-Newton, where the first step is implausibly large: patterns
     of first order hold for small errors only.
@@ -158,7 +158,7 @@ def _refine_lens_error(
         errors = dict(zip(names, found.values, strict=True))
         try:
             corrected, rest = remove_camera_errors(geometry, distances, errors)
-            patterns = excess_by_camera_error(corrected, rest, names)
+            patterns = length_excess_by_camera_error(corrected, rest, names)
         except InputError:  # the corners fit no pose under such a lens
             return first
         design = np.column_stack([patterns[name] for name in names])
@@ -184,12 +184,14 @@ def estimate_depth(
     """
     distances = rigid_distances(trials, head_lengths_m, robot)
     deeper = GeometryHypothesis("keypoint_depth", ("depth_m",), (1.0,), ("m",), "")
-    patterns = excess_by_camera_error(CameraGeometry(camera, depth_m), distances, deeper.parameters)
+    patterns = length_excess_by_camera_error(
+        CameraGeometry(camera, depth_m), distances, deeper.parameters
+    )
     found = fit_hypothesis(deeper, patterns, distances)
     return depth_m + found.values[0], found.stds[0]
 
 
-def _mean_excess(distances: Distances) -> tuple[float, float]:
+def _mean_excess(distances: RigidDistances) -> tuple[float, float]:
     """Weighted mean of the relative excess and its std, trials as clusters."""
     relative = distances.excess_m / distances.known_m
     weight = (distances.known_m / distances.std_m) ** 2
@@ -199,7 +201,9 @@ def _mean_excess(distances: Distances) -> tuple[float, float]:
     return mean, float(np.linalg.norm(scores)) / float(np.sum(weight))
 
 
-def _mean_excess_by_trial(distances: Distances, predicted: Float) -> dict[int, tuple[float, float]]:
+def _mean_excess_by_trial(
+    distances: RigidDistances, predicted: Float
+) -> dict[int, tuple[float, float]]:
     """Weighted mean of each trial's relative errors, less those `predicted` (n,) m; its std."""
     relative = (distances.excess_m - predicted) / distances.known_m
     weight = (distances.known_m / distances.std_m) ** 2

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..data import Float
 from ..errors import input_error
-from ..study import Camera, Pool, Setup
+from ..study import Camera, Pool, StudySettings
 from ..study.recording_pixels import setup_in_film_pixels
 from .lens import Lens
 from .plane_camera import homography_camera
@@ -30,7 +30,7 @@ REFERENCE_WIDTH_PX = 1920
 """Width of the picture for which `CORNER_CLICK_ERROR_PX` holds."""
 
 
-def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCamera:
+def pool_camera(setup: StudySettings, size_px: tuple[int, int] | None = None) -> PoolCamera:
     """Camera of a study: lens, pose from the pool corners, refractive index, remarks.
 
     size_px: (width, height) of the recording at hand, where known; a recording scaled in both
@@ -58,7 +58,7 @@ def pool_camera_from_parts(
     return camera_from_corners(lens, corners_px, corners_m, index)
 
 
-def pool_corners_m(setup: Setup) -> Float:
+def pool_corners_m(setup: StudySettings) -> Float:
     """The pool's corners (4, 3), m, at the height at which their images are given."""
     pool = setup.pool
     return pool_rectangle(pool.length_m, pool.width_m, setup.camera.pool_corners_height_m)

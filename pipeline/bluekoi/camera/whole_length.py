@@ -12,7 +12,7 @@ from ..study import Robot
 from .rigid_distances import (
     STATED_LENGTH_STD_SHARE,
     CameraGeometry,
-    Distances,
+    RigidDistances,
     pixels_of_places,
     robust_std_and_inliers,
 )
@@ -46,7 +46,7 @@ def whole_lengths(
     seen: Sequence[Float],
     head_lengths_m: Sequence[float],
     robot: Robot,
-) -> Distances:
+) -> RigidDistances:
     """Whole lengths of all trials against the stated ones.
 
     seen: of each trial (n, 2) frame and length seen over stated. The straight line between the
@@ -70,10 +70,10 @@ def whole_lengths(
         raise input_error("keypoints",
                           "", f"{len(parts)} trials in which nose and tail's end are seen",
                           f"{MIN_SHARP_TRIALS} with both in {MIN_SHARP_FRAMES} frames")  # fmt: skip
-    return Distances(**{name: np.concatenate([p[name] for p in parts]) for name in parts[0]})
+    return RigidDistances(**{name: np.concatenate([p[name] for p in parts]) for name in parts[0]})
 
 
-def systematic_length_error_share(geometry: CameraGeometry, distances: Distances) -> float:
+def systematic_length_error_share(geometry: CameraGeometry, distances: RigidDistances) -> float:
     """Relative error common to all trials where nothing is wrong: ruler, ends, motion blur."""
     ends = [pixels_of_places(geometry, end) for end in (distances.front_m, distances.back_m)]
     long_px = float(np.median(np.linalg.norm(ends[0] - ends[1], axis=1)))

@@ -14,7 +14,7 @@ from .parameter_types import NonEmptyPath, StudyName
 from .report import results_folder
 
 if TYPE_CHECKING:
-    from ..comparison import Difference, Run
+    from ..comparison import Difference, RunResults
 
 COMPARISON_COLUMNS = ("section", "name", "first", "second", "difference", "standard_deviations")
 """Columns of comparison.csv."""
@@ -33,7 +33,7 @@ def compare(first: Path, second: Path, out: Path | None, everything: bool) -> No
     FIRST and SECOND are results folders, or studies whose results are in results/NAME. --out writes
     comparison.csv, and comparison.png and .pdf with the figure.
     """
-    from ..comparison import compare as compared  # noqa: PLC0415
+    from ..comparison import list_run_differences as compared  # noqa: PLC0415
     from ..comparison import read_run  # noqa: PLC0415
     from ..errors import escape_control_characters  # noqa: PLC0415
 
@@ -79,7 +79,7 @@ def table_lines(found: Sequence[Difference], *, everything: bool) -> Iterator[st
         yield f"  {one.name}: {one.first} -> {one.second}{far}{mark}"
 
 
-def _write_comparison(out: Path, found: Sequence[Difference], runs: Sequence[Run]) -> None:
+def _write_comparison(out: Path, found: Sequence[Difference], runs: Sequence[RunResults]) -> None:
     """Write the table, and the figure as png and pdf."""
     from ..comparison import comparison_figure  # noqa: PLC0415
     from ..files import atomic_write, write_rows  # noqa: PLC0415

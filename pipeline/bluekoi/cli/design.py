@@ -15,7 +15,7 @@ from .parameter_types import StudyName
 from .progress_notice import progress_notice
 
 if TYPE_CHECKING:
-    from ..design_space import Design
+    from ..design_space import RobotDesign
 
 
 @click.command()
@@ -57,27 +57,34 @@ def design(
     """
     from ..data import write_columns  # noqa: PLC0415
     from ..design_space import (  # noqa: PLC0415
-        designs,
         designs_csv_columns,
-        load_fitted,
-        smallest_radius,
+        evaluate_designs,
+        load_fitted_robot,
         tested_range,
+        tightest_turn_design,
     )
     from ..design_space.picture import designs_figure, save_figure  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415
 
     loaded = load_study(study)
     home = results or Path("results") / study.resolve().name
-    fit = load_fitted(home, model=model, study=loaded)
+    fit = load_fitted_robot(home, model=model, study=loaded)
     further = _robot_variants(other)
     folder = out or home / "design"
     refuse_study_files(study, (folder / "designs.csv", folder / "designs.png"))
     with progress_notice("trying designs"):
-        found = designs(fit, loaded.setup, tested_range(loaded), powers=powers,
-                        angles_deg=angles_deg, lengths_m=lengths_m, other=further)  # fmt: skip
+        found = evaluate_designs(
+            fit,
+            loaded.setup,
+            tested_range(loaded),
+            powers=powers,
+            angles_deg=angles_deg,
+            lengths_m=lengths_m,
+            other=further,
+        )
     write_columns(folder / "designs.csv", designs_csv_columns(found))
     save_figure(designs_figure(found, min_speed_m_s=speed_m_s), folder / "designs.png")
-    best = smallest_radius(found, min_speed_m_s=speed_m_s, tested_only=tested_only)
+    best = tightest_turn_design(found, min_speed_m_s=speed_m_s, tested_only=tested_only)
     click.echo(f"{len(found)} designs, {fit.model} model; written: {folder}")
     click.echo(
         _best_design_text(best, speed_m_s)
@@ -101,7 +108,7 @@ def _robot_variants(given: tuple[str, ...]) -> dict[str, tuple[float, ...]]:
     return out
 
 
-def _no_design_message(found: list[Design], speed_m_s: float, tested_only: bool) -> str:
+def _no_design_message(found: list[RobotDesign], speed_m_s: float, tested_only: bool) -> str:
     """Why there is no answer: what the designs can do at most."""
     turns = [
         d for d in found if math.isfinite(d.radius_m[0]) and not (tested_only and d.extrapolated)
@@ -115,7 +122,7 @@ def _no_design_message(found: list[Design], speed_m_s: float, tested_only: bool)
     )
 
 
-def _best_design_text(best: Design, speed_m_s: float) -> str:
+def _best_design_text(best: RobotDesign, speed_m_s: float) -> str:
     radius, low, high = best.radius_m
     more = "".join(f", {k} {v:g}" for k, v in best.other.items())
     warning = f" - extrapolated in {' and '.join(best.extrapolated)}" if best.extrapolated else ""

@@ -24,7 +24,7 @@ OPTIONAL_PACKAGES = {
     )
 }
 """What a run can do without: what it is for, and how to get it."""
-Verdict = tuple[bool, str]
+MachineCheckResult = tuple[bool, str]
 
 
 @click.command()
@@ -48,12 +48,12 @@ def doctor(ctx: click.Context) -> None:
     ctx.exit(0 if sound else 1)
 
 
-def _check_python() -> Iterator[Verdict]:
+def _check_python() -> Iterator[MachineCheckResult]:
     found = ".".join(map(str, sys.version_info[:3]))
     yield sys.version_info >= (3, 11), f"Python {found} (3.11 or newer)"
 
 
-def _check_packages() -> Iterator[Verdict]:
+def _check_packages() -> Iterator[MachineCheckResult]:
     from packaging.requirements import Requirement  # noqa: PLC0415
 
     for text in requires("bluekoi") or []:
@@ -69,19 +69,19 @@ def _check_packages() -> Iterator[Verdict]:
         yield good, f"{wanted.name} {found}" + ("" if good else f": pip install '{wanted}'")
 
 
-def _check_shell() -> Iterator[Verdict]:
+def _check_shell() -> Iterator[MachineCheckResult]:
     found = shutil.which("bash")
     yield found is not None, f"bash {'at ' + found if found else 'is missing: install it'}"
 
 
-def _check_codec() -> Iterator[Verdict]:
+def _check_codec() -> Iterator[MachineCheckResult]:
     yield from (
         _attempt("reading and writing H.264", _encode_h264),
         _attempt("OpenCV", _check_opencv),
     )
 
 
-def _attempt(what: str, work: Callable[[], str]) -> Verdict:
+def _attempt(what: str, work: Callable[[], str]) -> MachineCheckResult:
     try:
         return True, f"{what}: {work()}"
     except InputError as found:
@@ -105,7 +105,7 @@ def _check_opencv() -> str:
     return str(cv2.__version__)
 
 
-def _check_compilation() -> Iterator[Verdict]:
+def _check_compilation() -> Iterator[MachineCheckResult]:
     yield _attempt("compiling, and a folder to keep what is compiled", _compile_function)
 
 
@@ -118,7 +118,7 @@ def _compile_function() -> str:
     return str(folder)
 
 
-def _check_optional_packages() -> Iterator[Verdict]:
+def _check_optional_packages() -> Iterator[MachineCheckResult]:
     for name, (purpose, remedy) in OPTIONAL_PACKAGES.items():
         try:
             yield True, f"{name} {version(name)}, for {purpose}"
@@ -126,7 +126,7 @@ def _check_optional_packages() -> Iterator[Verdict]:
             yield True, f"without {name}: no {purpose}; {remedy}"
 
 
-def _check_disk_space() -> Iterator[Verdict]:
+def _check_disk_space() -> Iterator[MachineCheckResult]:
     for name, folder in (("here", Path.cwd()), ("temporary files", Path(tempfile.gettempdir()))):
         free = shutil.disk_usage(folder).free / 1e9
         writable = os.access(folder, os.W_OK)
@@ -134,7 +134,7 @@ def _check_disk_space() -> Iterator[Verdict]:
         yield free >= MIN_FREE_GB and writable, text + ("" if writable else "; not writable")
 
 
-def _check_memory() -> Iterator[Verdict]:
+def _check_memory() -> Iterator[MachineCheckResult]:
     try:
         total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9
     except (ValueError, OSError):

@@ -17,7 +17,7 @@ NOTICE_EVERY_S = 30.0
 
 
 @dataclass
-class Progress:
+class ProgressNotice:
     """Work under way. usual_s: how long it takes where nothing better is known; share: done."""
 
     what: str
@@ -42,13 +42,13 @@ class Progress:
 @contextmanager
 def progress_notice(
     what: str, usual_s: float = 10.0, stream: TextIO | None = None
-) -> Iterator[Progress]:
-    """`Progress` to note progress on; shown on standard error from the third second on.
+) -> Iterator[ProgressNotice]:
+    """`ProgressNotice` to note progress on; shown on standard error from the third second on.
 
     On a terminal one line, rewritten each second and taken away at the end; in a file a line
     every half minute.
     """
-    wait, over, out = Progress(what, usual_s), threading.Event(), stream or sys.stderr
+    wait, over, out = ProgressNotice(what, usual_s), threading.Event(), stream or sys.stderr
     teller = threading.Thread(target=_print_progress, args=(wait, over, out), daemon=True)
     teller.start()
     try:
@@ -58,7 +58,7 @@ def progress_notice(
         teller.join()
 
 
-def _print_progress(wait: Progress, over: threading.Event, out: TextIO) -> None:
+def _print_progress(wait: ProgressNotice, over: threading.Event, out: TextIO) -> None:
     live = out.isatty()
     pause = FIRST_NOTICE_S
     while not over.wait(pause):

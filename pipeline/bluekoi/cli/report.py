@@ -49,7 +49,7 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
     """
     from ..errors import escape_control_characters, input_error  # noqa: PLC0415
     from ..files import read_json  # noqa: PLC0415
-    from ..stages.layout import Layout  # noqa: PLC0415
+    from ..stages.layout import ResultPaths  # noqa: PLC0415
 
     folder = results_folder(study, results)
     path = folder / "mismatch.json"
@@ -67,7 +67,7 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
         click.echo(f"No report yet in {folder}; `bluekoi run {study}` makes it.", err=True)
         ctx.exit(1)
     warn_of_outdated_results(study, folder)
-    if not Layout(folder).report_is_current():
+    if not ResultPaths(folder).report_is_current():
         click.echo(OLD_REPORT_MESSAGE.format(study), err=True)
     click.echo(f"Report: {page}")
     if shown and not open_in_browser(page):

@@ -207,14 +207,14 @@ def _trial_warnings(results: Path, study: str) -> list[str]:
     the demo.
     """
     from ..files import read_json  # noqa: PLC0415
-    from ..stages.layout import Layout  # noqa: PLC0415
+    from ..stages.layout import ResultPaths  # noqa: PLC0415
     from ..stages.outcome import trial_warnings  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415
 
     if study == "demo":
         return []
     loaded = load_study(study)
-    paths = {t.trial_id: Layout(results).status(t.trial_id) for t in loaded.trials}
+    paths = {t.trial_id: ResultPaths(results).status(t.trial_id) for t in loaded.trials}
     return trial_warnings(loaded, {n: read_json(p) for n, p in paths.items() if p.is_file()})
 
 
@@ -229,9 +229,9 @@ def _exit_code(returned: int, results: Path) -> int:
     """0 where all is well, 3 where all is there but some trials are bad, else 1."""
     if returned in (0, EXIT_USAGE, EXIT_INTERRUPTED, EXIT_TERMINATED):
         return returned
-    from ..stages.layout import Layout  # noqa: PLC0415
+    from ..stages.layout import ResultPaths  # noqa: PLC0415
 
-    last = Layout(results).last_results
+    last = ResultPaths(results).last_results
     complained = not (results / "outcome.json").is_file()
     some_failed = complained and all(path.is_file() for path in last)
     return EXIT_SOME_TRIALS_FAILED if some_failed else EXIT_RUN_FAILED

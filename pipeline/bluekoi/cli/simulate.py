@@ -16,15 +16,15 @@ from .parameter_types import StudyName
 from .progress_notice import progress_notice
 
 if TYPE_CHECKING:
-    from ..design_space import Fitted, Schedule
+    from ..design_space import FittedRobot, Schedule
     from ..model import Simulation
-    from ..study import Setup, Study
+    from ..study import Study, StudySettings
 
 MANOEUVRE_NAMES = ("s-turn", "underpowered-turn", "start-stop")
 """Manoeuvres that the command knows by name."""
-STEP_S = 1 / 60
+OUTPUT_INTERVAL_S = 1 / 60
 """Interval between the rows of a simulated path."""
-TOLERANCE = 1e-3
+TESTED_RANGE_TOLERANCE_SHARE = 1e-3
 """Share by which a command may exceed what was tested without a warning."""
 PICTURE_SUFFIXES = (".png", ".pdf", ".svg")
 """Kinds of picture that a path can be drawn to."""
@@ -81,9 +81,9 @@ def simulate(
         run = _simulate_path(fit, setup, length, commands, lasts)
     if schedule is not None or manoeuvre is not None:
         _print_distance_and_turn(run)
-    _save_path(run, commands, setup, length, out=out, picture=picture)
+    _save_simulated_path(run, commands, setup, length, out=out, picture=picture)
     for sentence in (
-        *_warnings(fit, run, commands, power_pct),
+        *_extrapolation_warnings(fit, run, commands, power_pct),
         *_untested_conditions(loaded, commands, length, fit, by_power=power_pct is not None),
     ):
         click.echo(f"Warning: {sentence}.", err=True)
@@ -115,22 +115,22 @@ def _refuse_conflicting_outputs(
         raise click.UsageError("--schedule, --out and --picture must be different files")
 
 
-def _save_path(
-    run: Simulation, commands: Schedule, setup: Setup, length: float, *, out: Path | None,
+def _save_simulated_path(
+    run: Simulation, commands: Schedule, setup: StudySettings, length: float, *, out: Path | None,
     picture: Path | None,
 ) -> None:  # fmt: skip
     if out is not None:
         _write_path_csv(out, run, commands)
         click.echo(f"Written: {out}")
     if picture is not None:
-        from ..design_space.picture import path_figure, save_figure  # noqa: PLC0415
+        from ..design_space.picture import save_figure, simulated_path_figure  # noqa: PLC0415
 
-        save_figure(path_figure(run, commands, setup, length), picture)
+        save_figure(simulated_path_figure(run, commands, setup, length), picture)
         click.echo(f"Drawn: {picture}")
 
 
-def _warnings(
-    fit: Fitted, run: Simulation, commands: Schedule, power_pct: float | None
+def _extrapolation_warnings(
+    fit: FittedRobot, run: Simulation, commands: Schedule, power_pct: float | None
 ) -> list[str]:
     """Sentences on what the answer does not hold for."""
     import numpy as np  # noqa: PLC0415
@@ -140,7 +140,7 @@ def _warnings(
     if power_pct is not None and not low <= power_pct <= high:
         out.append(f"{power_pct:g} % power lies outside the tested {low:g} to {high:g} %, its "
                    "flapping frequency is extrapolated")  # fmt: skip
-    if commands.time_s[-1] > run.time_s[-1] + STEP_S:
+    if commands.time_s[-1] > run.time_s[-1] + OUTPUT_INTERVAL_S:
         out.append(f"the schedule goes on to {commands.time_s[-1]:g} s, the simulation ends at "
                    f"{run.time_s[-1]:g} s")  # fmt: skip
     lost = np.flatnonzero(~np.isfinite(run.state).all(axis=1))
@@ -150,7 +150,7 @@ def _warnings(
 
 
 def _untested_conditions(
-    study: Study, commands: Schedule, head_length_m: float, fit: Fitted, *, by_power: bool
+    study: Study, commands: Schedule, head_length_m: float, fit: FittedRobot, *, by_power: bool
 ) -> list[str]:
     """Sentences on commands and a head beyond those of the trials; a power has its own."""
     angles = [abs(math.degrees(angle)) for angle in commands.head_angle_rad]
@@ -164,25 +164,33 @@ def _untested_conditions(
     out = []
     for name, asked, known, unit in tested:
         low, high = min(known), max(known)
-        beyond = [v for v in asked if not low - TOLERANCE * high <= v <= high + TOLERANCE * high]
+        beyond = [
+            v
+            for v in asked
+            if not low - TESTED_RANGE_TOLERANCE_SHARE * high
+            <= v
+            <= high + TESTED_RANGE_TOLERANCE_SHARE * high
+        ]
         if beyond:
             out.append(f"a {name} of {max(beyond):.4g} {unit} lies outside the tested {low:.4g} to "
                        f"{high:.4g} {unit}: the model is extrapolated")  # fmt: skip
     return out
 
 
-def _load_fit(results: Path | None, model: str | None, study: Study) -> Fitted:
-    from ..design_space import Fitted, load_fitted  # noqa: PLC0415
-    from ..model import FLAP_HZ, TABLE_1, plates  # noqa: PLC0415
+def _load_fit(results: Path | None, model: str | None, study: Study) -> FittedRobot:
+    from ..design_space import FittedRobot, load_fitted_robot  # noqa: PLC0415
+    from ..model import PUBLISHED_FLAP_HZ, TABLE_1, two_plate_system  # noqa: PLC0415
 
     if results is not None:
-        return load_fitted(results, model=model, study=study)
-    hz = {float(power): value for power, value in FLAP_HZ.items()}
+        return load_fitted_robot(results, model=model, study=study)
+    hz = {float(power): value for power, value in PUBLISHED_FLAP_HZ.items()}
     text = "without --results the coefficients are those of the paper (Table I at 100 %)"
-    return Fitted(plates().values(TABLE_1[100])[None], hz, "Table I at 100 %", (text,))
+    return FittedRobot(
+        two_plate_system().values(TABLE_1[100])[None], hz, "Table I at 100 %", (text,)
+    )
 
 
-def _flapping_frequency(flap_hz: float | None, power_pct: float | None, fit: Fitted) -> float:
+def _flapping_frequency(flap_hz: float | None, power_pct: float | None, fit: FittedRobot) -> float:
     if (flap_hz is None) == (power_pct is None):
         raise click.UsageError("give --flap-hz or --power-pct, one of them (or --schedule)")
     return fit.at_power(power_pct) if power_pct is not None else float(flap_hz or 0.0)
@@ -198,13 +206,15 @@ def _make_manoeuvre(manoeuvre: str | None, hz: float, angle_rad: float, seconds:
     return Schedule(np.zeros(1), np.full(1, hz), np.full(1, angle_rad))
 
 
-def _print_steady(fit: Fitted, setup: Setup, length: float, hz: float, angle_rad: float) -> None:
-    from ..design_space import Condition, steady_states  # noqa: PLC0415
+def _print_steady(
+    fit: FittedRobot, setup: StudySettings, length: float, hz: float, angle_rad: float
+) -> None:
+    from ..design_space import OperatingCondition, steady_states  # noqa: PLC0415
 
     with progress_notice(
         "looking for the steady state (the first time the model is compiled)", 20.0
     ):
-        found = steady_states([Condition(hz, angle_rad, length, setup)], fit.values[:1])
+        found = steady_states([OperatingCondition(hz, angle_rad, length, setup)], fit.values[:1])
     speed, radius = float(found.speed_m_s[0, 0]), float(found.radius_m[0, 0])
     turn = f"radius {radius:.3f} m" if math.isfinite(radius) else "straight"
     settled = f"steady: {speed:.3f} m/s, {turn}"
@@ -212,17 +222,17 @@ def _print_steady(fit: Fitted, setup: Setup, length: float, hz: float, angle_rad
 
 
 def _simulate_path(
-    fit: Fitted, setup: Setup, length: float, commands: Schedule, seconds: float
+    fit: FittedRobot, setup: StudySettings, length: float, commands: Schedule, seconds: float
 ) -> Simulation:
     import numpy as np  # noqa: PLC0415
 
-    from ..model import constants, simulate_at  # noqa: PLC0415
+    from ..model import constants_of_robot_trial, simulate_at  # noqa: PLC0415
 
-    times = np.arange(round(seconds / STEP_S) + 1, dtype=np.float64) * STEP_S
+    times = np.arange(round(seconds / OUTPUT_INTERVAL_S) + 1, dtype=np.float64) * OUTPUT_INTERVAL_S
     hz, angle = commands.at(times)
     start = np.array([0.5 * setup.pool.length_m, 0.5 * setup.pool.width_m, 0.0, 0.0, 0.0, 0.0])
     inputs = np.column_stack([angle, hz])
-    return simulate_at(fit.values[0], times, inputs, constants(setup, length), start)
+    return simulate_at(fit.values[0], times, inputs, constants_of_robot_trial(setup, length), start)
 
 
 def _print_distance_and_turn(run: Simulation) -> None:

@@ -5,6 +5,6 @@ figure         figure of the numbers that differ
 """
 
 from .figure import comparison_figure
-from .run_differences import Difference, Run, compare, read_run
+from .run_differences import Difference, RunResults, list_run_differences, read_run
 
-__all__ = ["Difference", "Run", "compare", "comparison_figure", "read_run"]
+__all__ = ["Difference", "RunResults", "comparison_figure", "list_run_differences", "read_run"]

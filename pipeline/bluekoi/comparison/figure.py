@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..figures.drawing.style import COLOURS, RC_PARAMS, placeholder
-from .run_differences import MIN_PROBABILITY, Run
+from .run_differences import MIN_PROBABILITY, RunResults
 
 FIRST_COLOUR, SECOND_COLOUR = COLOURS[0], COLOURS[2]
 BAR_OFFSET = 0.15
@@ -20,7 +20,7 @@ BAR_OFFSET = 0.15
 MAX_CAUSES_SHOWN = 12
 
 
-def comparison_figure(first: Run, second: Run, labels: tuple[str, str]) -> Figure:
+def comparison_figure(first: RunResults, second: RunResults, labels: tuple[str, str]) -> Figure:
     """Four panels; what only one run has is drawn alone."""
     with matplotlib.rc_context(RC_PARAMS):
         figure = Figure(figsize=(8.5, 6.5), layout="constrained")
@@ -33,7 +33,7 @@ def comparison_figure(first: Run, second: Run, labels: tuple[str, str]) -> Figur
         return figure
 
 
-def _draw_coefficients(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
+def _draw_coefficients(axes: Axes, runs: Sequence[RunResults], labels: Sequence[str]) -> None:
     """Values over the first run's, with 95 % intervals."""
     axes.set_title("Coefficients, first run = 1")
     names = [n for n, c in runs[0].joint.items() if c.get("value") and n in runs[1].joint]
@@ -56,7 +56,7 @@ def _draw_coefficients(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -
     return None
 
 
-def _draw_causes(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
+def _draw_causes(axes: Axes, runs: Sequence[RunResults], labels: Sequence[str]) -> None:
     axes.set_title("Probability of each cause")
     chances = [dict(run.mismatch.get("probabilities") or {}) for run in runs]
     most = {n: max(float(c.get(n) or 0) for c in chances) for n in {**chances[0], **chances[1]}}
@@ -77,7 +77,7 @@ def _draw_causes(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None
     return None
 
 
-def _draw_errors(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
+def _draw_errors(axes: Axes, runs: Sequence[RunResults], labels: Sequence[str]) -> None:
     axes.set_title("Path error on held-out trials")
     rows = ("baseline model", "with identified causes", "noise floor")
     for k, (run, label, colour) in enumerate(
@@ -91,7 +91,7 @@ def _draw_errors(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None
     axes.set_ylabel("rms distance, mm")
 
 
-def _draw_speeds(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
+def _draw_speeds(axes: Axes, runs: Sequence[RunResults], labels: Sequence[str]) -> None:
     axes.set_title("Steady speed of each trial")
     names = [n for n in runs[0].steady if n in runs[1].steady]
     a, b = (np.array([run.steady[n].speed_m_s for n in names]) for run in runs)

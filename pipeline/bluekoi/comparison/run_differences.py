@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..data import Steady
+from ..data import SteadyState
 from ..errors import input_error
 from ..files import flatten_mapping, read_json
 from ..steady import read_steady
@@ -20,14 +20,14 @@ MISSING_TEXT = "–"
 
 
 @dataclass(frozen=True)
-class Run:
+class RunResults:
     """Files of one results folder; empty mappings where a file is not there."""
 
     folder: Path
     coefficients: Mapping[str, Any] = field(default_factory=dict)
     mismatch: Mapping[str, Any] = field(default_factory=dict)
     manifest: Mapping[str, Any] = field(default_factory=dict)
-    steady: Mapping[str, Steady] = field(default_factory=dict)
+    steady: Mapping[str, SteadyState] = field(default_factory=dict)
 
     @property
     def joint(self) -> Mapping[str, Any]:
@@ -55,7 +55,7 @@ class Difference:
         return self.first == self.second
 
 
-def read_run(folder: Path) -> Run:
+def read_run(folder: Path) -> RunResults:
     """The results in a folder.
 
     Raises: InputError where there are none, or where a file cannot be read.
@@ -66,10 +66,10 @@ def read_run(folder: Path) -> Run:
         raise input_error(folder, "", "neither coefficients.json nor mismatch.json",
                           "a folder with the results of a run", "Run the study first.")  # fmt: skip
     table = folder / "steady.csv"
-    return Run(folder, **found, steady=read_steady(table) if table.is_file() else {})
+    return RunResults(folder, **found, steady=read_steady(table) if table.is_file() else {})
 
 
-def compare(first: Run, second: Run) -> list[Difference]:
+def list_run_differences(first: RunResults, second: RunResults) -> list[Difference]:
     """All entries in which two runs can be compared, section by section; settings, inputs and
     versions only where both have a manifest.
     """
@@ -85,11 +85,11 @@ def compare(first: Run, second: Run) -> list[Difference]:
     ]
 
 
-def _verdict_differences(run: Run) -> str:
+def _verdict_differences(run: RunResults) -> str:
     return str(run.mismatch.get("verdict", MISSING_TEXT))
 
 
-def _cause_differences(first: Run, second: Run) -> Iterator[Difference]:
+def _cause_differences(first: RunResults, second: RunResults) -> Iterator[Difference]:
     """Probabilities of the causes, and the numbers of those that are named in both."""
     chances = [dict(run.mismatch.get("probabilities") or {}) for run in (first, second)]
     for name in sorted(chances[0].keys() | chances[1].keys()):
@@ -106,7 +106,7 @@ def _cause_differences(first: Run, second: Run) -> Iterator[Difference]:
             )
 
 
-def _coefficient_differences(first: Run, second: Run) -> Iterator[Difference]:
+def _coefficient_differences(first: RunResults, second: RunResults) -> Iterator[Difference]:
     for name in dict.fromkeys([*first.joint, *second.joint]):
         yield number_difference("coefficient", name, first.joint.get(name), second.joint.get(name))
 
@@ -131,7 +131,7 @@ def _cell_text(cell: Mapping[str, Any] | None) -> str:
     return f"{cell['value']:.4g}{std}{unit}"
 
 
-def _error_differences(first: Run, second: Run) -> Iterator[Difference]:
+def _error_differences(first: RunResults, second: RunResults) -> Iterator[Difference]:
     held = [run.mismatch.get("held_out") or {} for run in (first, second)]
     for model in ("baseline", "extended"):
         for key, unit, factor in (("path_rmse_m", "mm", 1e3), ("radius_error_pct", "%", 1.0),
@@ -148,7 +148,7 @@ def _as_cell(value: float | None, factor: float, unit: str) -> dict[str, Any]:
     return {"value": None if value is None else factor * value, "unit": unit}
 
 
-def _differences_of_trials(first: Run, second: Run) -> Iterator[Difference]:
+def _differences_of_trials(first: RunResults, second: RunResults) -> Iterator[Difference]:
     for name in dict.fromkeys([*first.steady, *second.steady]):
         rows = [run.steady.get(name) for run in (first, second)]
         cells = [
@@ -168,7 +168,7 @@ def _finite_or_none(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _setting_differences(first: Run, second: Run) -> Iterator[Difference]:
+def _setting_differences(first: RunResults, second: RunResults) -> Iterator[Difference]:
     for section, key in (("study.yaml", "study"), ("trials.csv", "trials"),
                          ("setting", "settings"), ("version", "versions")):  # fmt: skip
         a, b = ({name: MISSING_TEXT if value in (None, {}, []) else str(value)
@@ -185,7 +185,7 @@ def _setting_differences(first: Run, second: Run) -> Iterator[Difference]:
         )
 
 
-def _input_differences(first: Run, second: Run) -> Iterator[Difference]:
+def _input_differences(first: RunResults, second: RunResults) -> Iterator[Difference]:
     """Input files that differ, by the start of their hash."""
     files = [dict(run.manifest.get("inputs") or {}) for run in (first, second)]
     for name in sorted(files[0].keys() | files[1].keys()):

@@ -7,6 +7,22 @@ motion: poses/ID.csv and tracks/ID.csv
 """
 
 from .csv_columns import read_columns, write_columns
-from .keypoint_quality import MIN_LIKELIHOOD, MIN_POSE_FRAMES, has_excess_variance, is_confident
+from .keypoint_quality import (
+    MIN_KEYPOINT_LIKELIHOOD,
+    MIN_POSE_FRAMES,
+    has_excess_variance,
+    is_confident,
+)
 from .motion_files import TRACK_COLUMNS, read_pose, read_track, write_pose, write_track
-from .types import PARTS, Flapping, Float, Frame, Keypoints, Mask, Pose, Positions, Steady, Track
+from .types import (
+    BODY_PART_NAMES,
+    BoolNDArray,
+    FlappingFrequency,
+    Float,
+    Frame,
+    Keypoints,
+    Pose,
+    Positions,
+    SteadyState,
+    Track,
+)

@@ -1,7 +1,8 @@
 """Which points and frames are used, and how many samples count as one: one rule for all stages.
 
-A point counts where its likelihood is at least `MIN_LIKELIHOOD` or not stated (NaN). A frame whose
-standard deviation is `MAX_STD_OVER_USUAL` times the usual one of its trial says nothing by itself.
+A point counts where its likelihood is at least `MIN_KEYPOINT_LIKELIHOOD` or not stated (NaN). A
+frame whose standard deviation is `MAX_STD_OVER_USUAL` times the usual one of its trial says nothing
+by itself.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy.typing as npt
 
 from .types import Float
 
-MIN_LIKELIHOOD = 0.6
+MIN_KEYPOINT_LIKELIHOOD = 0.6
 """Likelihood from which a keypoint counts as seen: the cut-off that DeepLabCut uses."""
 MIN_POSE_FRAMES = 8
 """Frames with a pose without which a motion cannot be smoothed."""
@@ -23,7 +24,7 @@ MAX_STD_OVER_USUAL = 10.0
 
 def is_confident(likelihood: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
     """Where a likelihood, of any shape, is that of a point that counts."""
-    return np.asarray(~(likelihood < MIN_LIKELIHOOD))
+    return np.asarray(~(likelihood < MIN_KEYPOINT_LIKELIHOOD))
 
 
 def has_excess_variance(variance: Float, usual: Float | float) -> npt.NDArray[np.bool_]:

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import Finding, InputError
+from ..errors import InputError, InputIssue
 
 Float = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
+BoolNDArray = npt.NDArray[np.bool_]
 
-PARTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
+BODY_PART_NAMES = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
 """Body parts from nose to tail tip; `core_center` is the centre of mass."""
 
 
@@ -144,7 +144,7 @@ class Track:
 
 
 @dataclass(frozen=True)
-class Flapping:
+class FlappingFrequency:
     """Flapping frequency of one trial from its motor log [Hz], with uncertainty and over time.
 
     source: `motor_log`, `flap_hz` (given in trials.csv), `video` or `nominal`. ratio: tail-beat
@@ -179,7 +179,7 @@ class Flapping:
 
 
 @dataclass(frozen=True)
-class Steady:
+class SteadyState:
     """Steady speed and turn of one trial: a row of steady.csv.
 
     speed: plateau of the speed [m/s]. radius: geometric circle [m], inf for a straight run.
@@ -207,11 +207,13 @@ def check_shapes(value: Any, shapes: dict[str, tuple[int, ...]]) -> None:
     """
     name = type(value).__name__
     findings = [
-        Finding(name, key, f"shape {np.shape(getattr(value, key))}", f"shape {shape}")
+        InputIssue(name, key, f"shape {np.shape(getattr(value, key))}", f"shape {shape}")
         for key, shape in shapes.items()
         if np.shape(getattr(value, key)) != shape
     ]
     if not np.all(np.isfinite(value.time_s)) or np.any(np.diff(value.time_s) <= 0):
-        findings.append(Finding(name, "time_s", "times that repeat or go back", "increasing times"))
+        findings.append(
+            InputIssue(name, "time_s", "times that repeat or go back", "increasing times")
+        )
     if findings:
         raise InputError(findings)

@@ -13,7 +13,7 @@ from ..data import Float
 from ..errors import did_you_mean, input_error
 from ..files import read_json
 from ..integrate import LANES
-from ..model import COEFFICIENTS, plates
+from ..model import HYDRODYNAMIC_COEFFICIENTS, two_plate_system
 from ..study import Study
 
 T = TypeVar("T")
@@ -25,7 +25,7 @@ DOUBTFUL_VERDICTS = ("measurement", "unexplained")
 
 
 @dataclass(frozen=True)
-class Fitted:
+class FittedRobot:
     """values (draws, parameters), the best ones first; flap_hz by power; which model it is.
 
     warnings: sentences on why its answers may be wrong.
@@ -49,9 +49,9 @@ class Fitted:
         return float(np.maximum(slope * power_pct + offset, 0.0))
 
 
-def load_fitted(
+def load_fitted_robot(
     results: Path, *, model: str | None = None, study: Study | None = None, seed: int = 0
-) -> Fitted:
+) -> FittedRobot:
     """The fitted model of a results folder with draws of its coefficients.
 
     model: `joint`, or `extended` by the causes that were found (with mismatch_detail.json; draws
@@ -82,7 +82,7 @@ def load_fitted(
     flap_hz = _read_complete(path, lambda: _flap_hz_by_power(found["paper_steps"]))
     doubts = _read_complete(path, lambda: _warning_sentences(found, verdict, chosen))
     strangers = _read_complete(path, lambda: _other_study_sentences(found, study)) if study else []
-    return Fitted(values, flap_hz, chosen, (*doubts, *strangers))
+    return FittedRobot(values, flap_hz, chosen, (*doubts, *strangers))
 
 
 def _read_complete(path: Path, read: Callable[[], T]) -> T:
@@ -108,27 +108,29 @@ def _flap_hz_by_power(steps: Mapping[str, Any]) -> dict[float, float]:
 
 
 def _joint_fit_draws(joint: Mapping[str, Any], rng: np.random.Generator) -> Float:
-    best = {p.name: float(joint["coefficients"][p.name]["value"]) for p in COEFFICIENTS}
+    best = {
+        p.name: float(joint["coefficients"][p.name]["value"]) for p in HYDRODYNAMIC_COEFFICIENTS
+    }
     names = joint["ensemble"]["names"]
     every = np.array(joint["ensemble"]["values"], dtype=float)
     chosen = every[
         rng.choice(len(every), size=COEFFICIENT_DRAWS, replace=len(every) < COEFFICIENT_DRAWS)
     ]
     rows = [best, *(dict(zip(names, row.tolist(), strict=True)) for row in chosen)]
-    return np.array([plates().values(row) for row in rows])
+    return np.array([two_plate_system().values(row) for row in rows])
 
 
 def _extended_model_draws(cells: Mapping[str, Any], path: Path, rng: np.random.Generator) -> Float:
-    best = plates().values({})
+    best = two_plate_system().values({})
     std = np.zeros(len(best))
     for name, cell in cells.items():
-        slot = plates().slot.get(name)
+        slot = two_plate_system().slot.get(name)
         if slot is None:
             raise input_error(path, name, "an unknown parameter", "a known one",
-                        did_you_mean(name, plates().slot))  # fmt: skip
+                        did_you_mean(name, two_plate_system().slot))  # fmt: skip
         best[slot], std[slot] = float(cell["value"]), float(cell.get("std") or 0.0)
-    lower = np.array([p.lower for p in plates().parameters])
-    upper = np.array([p.upper for p in plates().parameters])
+    lower = np.array([p.lower for p in two_plate_system().parameters])
+    upper = np.array([p.upper for p in two_plate_system().parameters])
     drawn = best + std * rng.standard_normal((COEFFICIENT_DRAWS, len(best)))
     return np.vstack([best, np.where(std > 0, np.clip(drawn, lower, upper), best)])
 

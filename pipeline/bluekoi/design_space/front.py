@@ -20,7 +20,7 @@ DESIGN_COLUMNS = (
 
 
 @dataclass(frozen=True)
-class Design:
+class RobotDesign:
     """One design: what is set, and steady speed and radius as (best, lower, upper 95 % bound).
 
     extrapolated: names of the settings outside the tested range.
@@ -36,7 +36,7 @@ class Design:
     other: Mapping[str, float] = field(default_factory=dict)
 
 
-def is_on_front(designs: Sequence[Design]) -> Float:
+def is_pareto_optimal(designs: Sequence[RobotDesign]) -> Float:
     """Which designs no other beats in both speed and radius, bool (designs,).
 
     Where the radius does not depend on power, ties in it would make a wall of slower designs:
@@ -52,9 +52,9 @@ def is_on_front(designs: Sequence[Design]) -> Float:
     return out
 
 
-def smallest_radius(
-    designs: Sequence[Design], *, min_speed_m_s: float = 0.0, tested_only: bool = False
-) -> Design | None:
+def tightest_turn_design(
+    designs: Sequence[RobotDesign], *, min_speed_m_s: float = 0.0, tested_only: bool = False
+) -> RobotDesign | None:
     """The tightest turn among designs at least so fast; None where there is none.
 
     Of those within `MIN_RELATIVE_GAIN` of the tightest, tested ones come first, then the fastest.
@@ -71,9 +71,9 @@ def smallest_radius(
     return min(ties, key=lambda d: (len(d.extrapolated), -d.speed_m_s[0]), default=None)
 
 
-def designs_csv_columns(designs: Sequence[Design]) -> dict[str, list[Any]]:
+def designs_csv_columns(designs: Sequence[RobotDesign]) -> dict[str, list[Any]]:
     """Columns of designs.csv; further dimensions of the robot come last."""
-    front = is_on_front(designs)
+    front = is_pareto_optimal(designs)
     rows = [
         (d.power_pct, d.flap_hz, d.head_angle_deg, d.head_length_m, *d.speed_m_s, *d.radius_m,
          bool(front[i]), " and ".join(d.extrapolated))

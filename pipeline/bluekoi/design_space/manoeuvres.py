@@ -11,10 +11,10 @@ import numpy as np
 from ..data import Float, read_columns
 from ..errors import did_you_mean, input_error
 
-ALLOWED_RANGES = {"time_s": (0, 600), "head_angle_deg": (-120, 120), "power_pct": (0, 300),
+SCHEDULE_VALUE_RANGES = {"time_s": (0, 600), "head_angle_deg": (-120, 120), "power_pct": (0, 300),
           "flap_hz": (0, 100)}  # fmt: skip
 """Columns of a schedule with the least and the largest value allowed."""
-SCHEDULE_COLUMNS = tuple(ALLOWED_RANGES)
+SCHEDULE_COLUMNS = tuple(SCHEDULE_VALUE_RANGES)
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def read_schedule(path: Path, hz_of_power: Callable[[float], float]) -> Schedule
     if ("power_pct" in columns) == ("flap_hz" in columns):
         raise input_error(path, "", "both or neither of power_pct and flap_hz", "one of them")
     for name, values in columns.items():
-        low, high = ALLOWED_RANGES[name]
+        low, high = SCHEDULE_VALUE_RANGES[name]
         bad = np.flatnonzero(~((values >= low) & (values <= high)))
         if len(bad):
             raise input_error(path, f"row {bad[0] + 2}", f"{name} {values[bad[0]]:g}",

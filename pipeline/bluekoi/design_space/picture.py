@@ -15,8 +15,8 @@ from matplotlib.patches import Rectangle
 from ..data import Float
 from ..files import atomic_write
 from ..model import Simulation
-from ..study import Setup
-from .front import Design, is_on_front
+from ..study import StudySettings
+from .front import RobotDesign, is_pareto_optimal
 from .manoeuvres import Schedule
 
 TESTED_COLOUR, FRONT_COLOUR = "#b0b8bf", "#0b5394"
@@ -24,11 +24,11 @@ MAX_FRONT_MARKS = 14
 """Marks along the front, at most."""
 
 
-def designs_figure(designs: Sequence[Design], *, min_speed_m_s: float = 0.0) -> Figure:
+def designs_figure(designs: Sequence[RobotDesign], *, min_speed_m_s: float = 0.0) -> Figure:
     """Speed over radius; the front with its 95 % bands; hollow where extrapolated."""
     figure = Figure(figsize=(7.5, 5.2), layout="constrained")
     axes = figure.add_subplot()
-    front = is_on_front(designs)
+    front = is_pareto_optimal(designs)
     x = np.array([d.radius_m[0] for d in designs])
     y = np.array([d.speed_m_s[0] for d in designs])
     inside = np.array([not d.extrapolated for d in designs])
@@ -50,7 +50,7 @@ def designs_figure(designs: Sequence[Design], *, min_speed_m_s: float = 0.0) -> 
     return figure
 
 
-def _draw_front(axes: Axes, front: Sequence[Design]) -> None:
+def _draw_front(axes: Axes, front: Sequence[RobotDesign]) -> None:
     ordered = sorted(front, key=lambda d: d.radius_m[0])
     for d in ordered:
         (radius, *across), (speed, *along) = d.radius_m, d.speed_m_s
@@ -69,7 +69,9 @@ def _draw_front(axes: Axes, front: Sequence[Design]) -> None:
               label="front: none is faster and tighter, with 95 % bands")  # fmt: skip
 
 
-def path_figure(run: Simulation, schedule: Schedule, setup: Setup, head_length_m: float) -> Figure:
+def simulated_path_figure(
+    run: Simulation, schedule: Schedule, setup: StudySettings, head_length_m: float
+) -> Figure:
     """The path from above with the robot drawn along it; command and speed over time below."""
     figure = Figure(figsize=(7.5, 7.2), layout="constrained")
     above, below = figure.subplots(2, 1, height_ratios=(2.4, 1))
@@ -92,7 +94,7 @@ def path_figure(run: Simulation, schedule: Schedule, setup: Setup, head_length_m
 
 
 def _robot_outlines(
-    run: Simulation, marks: Float, setup: Setup, head_length_m: float
+    run: Simulation, marks: Float, setup: StudySettings, head_length_m: float
 ) -> list[Float]:
     """Lines (3, 2) from nose over hinge to tail base at some frames."""
     psi, theta = run.heading_rad[marks], run.state[marks, 2]

@@ -12,11 +12,11 @@ from pydantic import ValidationError
 
 from ..data import Float
 from ..errors import InputError, did_you_mean, input_error
-from ..study import Setup, Study
+from ..study import Study, StudySettings
 from ..study.validation_messages import findings_from_validation_error
-from .fits import COEFFICIENT_DRAWS, Fitted
-from .front import Design
-from .steady_states import Condition, steady_states
+from .fits import COEFFICIENT_DRAWS, FittedRobot
+from .front import RobotDesign
+from .steady_states import OperatingCondition, steady_states
 
 MAX_DESIGNS = 20_000
 """Designs in one call."""
@@ -55,10 +55,16 @@ def _lowest_and_highest(values: Sequence[float]) -> tuple[float, float]:
     return min(values), max(values)
 
 
-def designs(
-    fit: Fitted, setup: Setup, tested: TestedRange, *, powers: Sequence[float], angles_deg:
-    Sequence[float], lengths_m: Sequence[float], other: Mapping[str, Sequence[float]] | None = None,
-) -> list[Design]:  # fmt: skip
+def evaluate_designs(
+    fit: FittedRobot,
+    setup: StudySettings,
+    tested: TestedRange,
+    *,
+    powers: Sequence[float],
+    angles_deg: Sequence[float],
+    lengths_m: Sequence[float],
+    other: Mapping[str, Sequence[float]] | None = None,
+) -> list[RobotDesign]:
     """Every combination with its steady speed and radius and their 95 % bands.
 
     other: values of further keys of `robot` in study.yaml, such as `mass_kg`; nothing else about
@@ -79,12 +85,12 @@ def designs(
         _setup_with_changes(setup, dict(zip(keys, rest, strict=True))) for _, _, _, *rest in grid
     ]
     conditions = [
-        Condition(fit.at_power(p), float(np.radians(a)), h, robot)
+        OperatingCondition(fit.at_power(p), float(np.radians(a)), h, robot)
         for (p, a, h, *_), robot in zip(grid, robots, strict=True)
     ]
     states = steady_states(conditions, fit.values)
     return [
-        Design(
+        RobotDesign(
             power_pct=p,
             flap_hz=c.flap_hz,
             head_angle_deg=a,
@@ -108,7 +114,7 @@ def _refuse_too_many(axes: Sequence[Sequence[float]]) -> None:
                     "Take larger steps or shorter ranges.")  # fmt: skip
 
 
-def _setup_with_changes(setup: Setup, changes: Mapping[str, float]) -> Setup:
+def _setup_with_changes(setup: StudySettings, changes: Mapping[str, float]) -> StudySettings:
     if not changes:
         return setup
     contents = setup.model_dump()

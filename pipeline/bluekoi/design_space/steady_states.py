@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..integrate import LANES, compiled
-from ..integrate.batch import in_lanes, propagate
-from ..model import constants, plates
-from ..study import Setup
+from ..integrate import LANES, compile_system
+from ..integrate.batch import in_lanes, simulate_batch
+from ..model import constants_of_robot_trial, two_plate_system
+from ..study import StudySettings
 
 SETTLE_S, CHECK_S = 30.0, 25.0
 """End of the simulation, and the time at which it is compared with the end."""
-STEP_S = 1 / 30
+STEADY_INTEGRATION_STEP_S = 1 / 30
 STEADY_TOLERANCE = 0.005
 """Between `CHECK_S` and `SETTLE_S` speed and yaw rate may change by this share, no more."""
 MIN_TURN_RATE_RAD_S = 1e-6
@@ -25,13 +25,13 @@ MIN_SPEED_M_S = 1e-4
 
 
 @dataclass(frozen=True)
-class Condition:
+class OperatingCondition:
     """What is set: flapping frequency, head angle (core minus head, rad), head length, robot."""
 
     flap_hz: float
     head_angle_rad: float
     head_length_m: float
-    setup: Setup
+    setup: StudySettings
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class SteadyStates:
     radius_m: Float
 
 
-def steady_states(conditions: Sequence[Condition], values: Float) -> SteadyStates:
+def steady_states(conditions: Sequence[OperatingCondition], values: Float) -> SteadyStates:
     """Steady states from rest, for every condition and every row of `values`.
 
     values: (draws, parameters), or (conditions, draws, parameters) where conditions have their own.
@@ -66,22 +66,22 @@ def steady_states(conditions: Sequence[Condition], values: Float) -> SteadyState
 
 
 def _steady_motion(
-    conditions: Sequence[Condition], lanes: Float, parts: int
+    conditions: Sequence[OperatingCondition], lanes: Float, parts: int
 ) -> tuple[Float, Float]:
     """Speed and yaw rate (2, blocks, 16) at `CHECK_S` and `SETTLE_S`."""
-    system = plates()
+    system = two_plate_system()
     blocks = len(lanes)
-    fixed = np.array([constants(c.setup, c.head_length_m) for c in conditions])
+    fixed = np.array([constants_of_robot_trial(c.setup, c.head_length_m) for c in conditions])
     inputs = np.array([[c.head_angle_rad, c.flap_hz] for c in conditions])
-    _, states = propagate(
-        compiled(system),
+    _, states = simulate_batch(
+        compile_system(system),
         np.zeros((blocks, len(system.all_states), LANES)),
         lanes,
         in_lanes(np.repeat(fixed, parts, axis=0)),
         times=np.tile([0.0, CHECK_S, SETTLE_S], (blocks, 1)),
         inputs=np.repeat(np.repeat(inputs, parts, axis=0)[:, None], 3, axis=1),
         keep_states=True,
-        step_s=STEP_S,
+        step_s=STEADY_INTEGRATION_STEP_S,
     )
     u, v, r = (states[:, 1:, i].transpose(1, 0, 2) for i in (3, 4, 5))
     return np.hypot(u, v), r

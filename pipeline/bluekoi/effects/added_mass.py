@@ -22,19 +22,19 @@ from __future__ import annotations
 
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge", "sway", "yaw")
-VARIABLES = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge", "sway", "yaw")
+DEPENDS_ON_VARIABLES = (
     "drift",
     "turn",
 )
-STATEMENT = (
+EFFECT_DESCRIPTION = (
     "The body accelerates water together with itself, mostly sideways: it starts, drifts and "
     "turns like a heavier body."
 )
-REGIME = "start-up and every change of speed; turns with sideways motion"
+MOST_VISIBLE_WHERE = "start-up and every change of speed; turns with sideways motion"
 CONFUSED_WITH = ("tail_fin_lift", "motor_spin_up", "lift_lag")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("sway_mass", "kg", 0.2, 0.0, 3.0, "added mass in sway", symbol="A22"),
     Parameter("surge_to_sway", "1", 0.1, 0.0, 0.8, "added mass in surge over that in sway",
               spread=0.1, symbol="c"),
@@ -43,7 +43,7 @@ PARAMETERS = (
     Parameter("munk_share", "1", 1.0, 0.0, 1.2, "share of the Munk moment that acts",
               spread=0.35, symbol="e"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "slender body": {},
     "ellipsoid, five times as long as wide": {"surge_to_sway": 0.066, "inertia_ratio": 0.5},
     "partial Munk moment": {"munk_share": 0.3},

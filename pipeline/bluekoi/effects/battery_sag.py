@@ -21,16 +21,16 @@ from __future__ import annotations
 
 import math
 
-from ..integrate.branchless import exponential, power
+from ..integrate.branchless import branchless_power, exponential
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge",)
-VARIABLES = ("time",)
-STATEMENT = "Thrust decreases during a trial because the supply voltage falls."
-REGIME = "late in long trials"
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge",)
+DEPENDS_ON_VARIABLES = ("time",)
+EFFECT_DESCRIPTION = "Thrust decreases during a trial because the supply voltage falls."
+MOST_VISIBLE_WHERE = "late in long trials"
 CONFUSED_WITH = ("sinking", "thrust_loss_with_speed", "wake_reentry")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("loss_rate", "1/s", 0.03, 0.0, 1.0, "share of thrust lost per second, initially",
               symbol="k"),
     Parameter("settling_rate", "1/s", 0.002, 1e-4, 1.0, "rate at which the sag settles",
@@ -38,7 +38,7 @@ PARAMETERS = (
     Parameter("load_exponent", "1", 0.0, 0.0, 3.0, "growth with the flapping frequency",
               spread=1.0, symbol="e"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "linear": {},
     "exponential": {"settling_rate": 0.25},
     "in proportion to the load": {"load_exponent": 2.0},
@@ -50,7 +50,7 @@ def frequency_drift(t: float, flap_hz: float, k: float, w: float, e: float) -> f
     return _first_drift(flap_hz, k, e) * math.exp(-w * t)
 
 
-def stated_ratio(t: float, flap_hz: float, k: float, w: float, e: float) -> float:
+def mid_trial_frequency_deviation(t: float, flap_hz: float, k: float, w: float, e: float) -> float:
     """Relative difference of the tail beat in the middle of a trial from that at its start."""
     return -_first_drift(flap_hz, k, e) * math.expm1(-w * t) / w
 
@@ -60,10 +60,10 @@ def _first_drift(flap_hz: float, k: float, e: float) -> float:
     return -0.5 * k * (max(flap_hz, 1e-9) / 3.5) ** e
 
 
-EVIDENCE = {
+SIDE_MEASUREMENT_PREDICTIONS = {
     "frequency_drift": frequency_drift,
     "tail_beat_drift": frequency_drift,
-    "stated_ratio": stated_ratio,
+    "stated_ratio": mid_trial_frequency_deviation,
 }
 
 
@@ -71,5 +71,5 @@ def thrust(
     rho: float, A: float, f: float, t: float, C_T: float, k: float, w: float, e: float
 ) -> tuple[float]:
     """Change of thrust (N)."""
-    load = power(max(f, 1e-9) / 3.5, e)
+    load = branchless_power(max(f, 1e-9) / 3.5, e)
     return (-k * load * (1.0 - exponential(-w * t)) / w * C_T * 0.5 * rho * A * f * f,)

@@ -20,23 +20,23 @@ from __future__ import annotations
 
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("yaw",)
-VARIABLES = ("head angle", "side")
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("yaw",)
+DEPENDS_ON_VARIABLES = ("head angle", "side")
+EFFECT_DESCRIPTION = (
     "The centre of mass does not lie where the study states it: it is displaced along the core or"
     " to one side of it."
 )
-REGIME = "all turns; a shift to one side also in straight runs"
+MOST_VISIBLE_WHERE = "all turns; a shift to one side also in straight runs"
 CONFUSED_WITH = ("head_angle_offset", "stall", "tail_fin_lift", "keypoint_bias")
-STRENGTH_COUNT = 2
-PARAMETERS = (
+STRENGTH_PARAMETER_COUNT = 2
+EFFECT_PARAMETERS = (
     Parameter("forward_shift", "m", 0.005, -0.08, 0.08, "shift towards the head", symbol="d"),
     Parameter("left_shift", "m", 0.003, -0.04, 0.04, "shift to the left of the core", symbol="s"),
     Parameter("head_angle_share", "1", 0.0, 0.0, 1.0, "part that grows with the head angle",
               spread=0.5, symbol="w"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "fixed": {},
     "moves with the head": {"head_angle_share": 1.0},
 }
@@ -47,10 +47,10 @@ def force(
 ) -> tuple[float, float, float]:
     """Yaw moment alone (N m)."""
     along, across = T + Xh * cphi + Yh * sphi, Yh * cphi - Xh * sphi
-    return 0.0, 0.0, s * along - forward(sphi, d, w) * across
+    return 0.0, 0.0, s * along - forward_com_shift_m(sphi, d, w) * across
 
 
-def forward(sphi: float, d: float, w: float) -> float:
+def forward_com_shift_m(sphi: float, d: float, w: float) -> float:
     """Shift towards the head, m."""
     return d * (1.0 - w + w * 1.4142135623730951 * abs(sphi))
 
@@ -58,6 +58,6 @@ def forward(sphi: float, d: float, w: float) -> float:
 def observe(
     cpsi: float, spsi: float, sphi: float, d: float, s: float, w: float
 ) -> tuple[float, float, float, float]:
-    """The keypoint lies behind the centre of mass by `forward` and to its right by s (m)."""
-    e = forward(sphi, d, w)
+    """The keypoint lies `forward_com_shift_m` behind the centre of mass and s to its right (m)."""
+    e = forward_com_shift_m(sphi, d, w)
     return s * spsi - e * cpsi, -s * cpsi - e * spsi, 0.0, 0.0

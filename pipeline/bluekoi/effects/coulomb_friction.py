@@ -21,20 +21,22 @@ import math
 from ..integrate.branchless import exponential
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge", "sway")
-VARIABLES = ("speed",)
-STATEMENT = "A nearly constant friction force acts against the motion, independent of the speed."
-REGIME = "lowest speeds: start-up and the smallest power"
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge", "sway")
+DEPENDS_ON_VARIABLES = ("speed",)
+EFFECT_DESCRIPTION = (
+    "A nearly constant friction force acts against the motion, independent of the speed."
+)
+MOST_VISIBLE_WHERE = "lowest speeds: start-up and the smallest power"
 CONFUSED_WITH = ("viscous_drag", "thrust_loss_with_speed")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("F_c", "N", 0.02, 0.0, 1.0, "sliding friction"),
     Parameter("onset_speed", "m/s", 0.02, 0.002, 0.2, "speed up to which it rises",
               spread=0.03, symbol="c"),
     Parameter("static_excess", "1", 0.0, 0.0, 3.0, "excess of static over sliding friction",
               spread=0.5, symbol="s"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "sign of the velocity": {"onset_speed": 0.002},
     "smoothed": {},
     "Stribeck": {"static_excess": 0.5},

@@ -26,16 +26,18 @@ import math
 
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("sway", "yaw")
-VARIABLES = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("sway", "yaw")
+DEPENDS_ON_VARIABLES = (
     "drift",
     "turn",
 )
-STATEMENT = "Core and tail have drag across the body when the robot moves sideways or turns."
-REGIME = "tight turns with much sideways motion"
+EFFECT_DESCRIPTION = (
+    "Core and tail have drag across the body when the robot moves sideways or turns."
+)
+MOST_VISIBLE_WHERE = "tight turns with much sideways motion"
 CONFUSED_WITH = ("tail_fin_lift", "linear_yaw_damping", "stall")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("drag_coefficient", "1", 0.5, 0.0, 5.0, "of a section across the flow", symbol="C"),
     Parameter("taper", "1", 0.1, -0.8, 0.8, "height at the hinge over the mean height, minus 1",
               spread=0.3, symbol="q"),
@@ -44,7 +46,7 @@ PARAMETERS = (
     Parameter("reynolds_share", "1", 0.0, 0.0, 1.0, "part that grows as the 1.5th power",
               spread=0.5, symbol="e"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "quadratic": {},
     "power 3/2": {"reynolds_share": 1.0},
     "tapered body": {"taper": 0.4},
@@ -52,7 +54,7 @@ FORMS = {
 }
 
 
-def section(w: float, e: float) -> float:
+def section_drag_factor(w: float, e: float) -> float:
     """Drag of a section over w, per 1/2 rho C d (m/s)."""
     return (1.0 - e) * abs(w) + e * math.sqrt(0.1 * abs(w))
 
@@ -66,13 +68,13 @@ def force(
     k, ga, gb = -0.5 * rho * C * span * half, 0.9061798459386640, 0.5384693101056831
     xa, xb, xc, xd = middle - ga * half, middle - gb * half, middle + gb * half, middle + ga * half
     va, vb, vm, vd, ve = vc + xa * rc, vc + xb * rc, vc + middle * rc, vc + xc * rc, vc + xd * rc
-    Ya = k * (1.0 - ga * q) * 0.2369268850561891 * va * section(va, e)
-    Yb = k * (1.0 - gb * q) * 0.4786286704993665 * vb * section(vb, e)
-    Ym = k * 0.5688888888888889 * vm * section(vm, e)
-    Yd = k * (1.0 + gb * q) * 0.4786286704993665 * vd * section(vd, e)
-    Ye = k * (1.0 + ga * q) * 0.2369268850561891 * ve * section(ve, e)
+    Ya = k * (1.0 - ga * q) * 0.2369268850561891 * va * section_drag_factor(va, e)
+    Yb = k * (1.0 - gb * q) * 0.4786286704993665 * vb * section_drag_factor(vb, e)
+    Ym = k * 0.5688888888888889 * vm * section_drag_factor(vm, e)
+    Yd = k * (1.0 + gb * q) * 0.4786286704993665 * vd * section_drag_factor(vd, e)
+    Ye = k * (1.0 + ga * q) * 0.2369268850561891 * ve * section_drag_factor(ve, e)
     xt = -x_tail - 0.5 * l_tail
     vt = vc + xt * rc
-    Yt = -0.5 * rho * C * span * l_tail * j * vt * section(vt, e)
+    Yt = -0.5 * rho * C * span * l_tail * j * vt * section_drag_factor(vt, e)
     N = xa * Ya + xb * Yb + middle * Ym + xc * Yd + xd * Ye + xt * Yt
     return 0.0, Ya + Yb + Ym + Yd + Ye + Yt, N

@@ -17,30 +17,30 @@ import math
 
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("yaw", "sway")
-VARIABLES = ("side",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("yaw", "sway")
+DEPENDS_ON_VARIABLES = ("side",)
+EFFECT_DESCRIPTION = (
     "The head does not stand at the commanded angle: a constant offset bends straight runs and "
     "makes turns to the two sides unequal."
 )
-REGIME = "all trials; a constant offset with the same sign in all of them"
+MOST_VISIBLE_WHERE = "all trials; a constant offset with the same sign in all of them"
 CONFUSED_WITH = ("trim_moment", "port_starboard_asymmetry", "keypoint_bias")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("offset", "rad", 0.02, -0.4, 0.4, "counter-clockwise positive", symbol="d"),
     Parameter("gain_share", "1", 0.0, 0.0, 1.0, "part in proportion to the angle",
               spread=0.5, symbol="g"),
     Parameter("backlash_share", "1", 0.0, 0.0, 1.0, "part that has the sign of the angle",
               spread=0.5, symbol="b"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "constant": {},
     "gain": {"gain_share": 1.0},
     "backlash": {"backlash_share": 1.0},
 }
 
 
-def drive(head_angle: float, d: float, g: float, b: float) -> tuple[float, float]:
+def actuation_inputs(head_angle: float, d: float, g: float, b: float) -> tuple[float, float]:
     """Change of head angle (rad) and flapping frequency (Hz)."""
     side = head_angle / math.sqrt(head_angle * head_angle + 1e-4)
     return d * (1.0 - g - b + g * head_angle / 0.6108652381980153 + b * side), 0.0

@@ -20,16 +20,18 @@ and ch. 9 (lags of pressure and boundary layer in series).
 
 from __future__ import annotations
 
-from ..integrate.branchless import power
+from ..integrate.branchless import branchless_power
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("sway", "yaw")
-VARIABLES = ("angle of attack",)
-STATEMENT = "The lift of the head follows changes of angle of attack and speed with a delay."
-REGIME = "start of turns and every change of speed; not in the steady circle"
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("sway", "yaw")
+DEPENDS_ON_VARIABLES = ("angle of attack",)
+EFFECT_DESCRIPTION = (
+    "The lift of the head follows changes of angle of attack and speed with a delay."
+)
+MOST_VISIBLE_WHERE = "start of turns and every change of speed; not in the steady circle"
 CONFUSED_WITH = ("servo_lag", "added_mass", "motor_spin_up")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("lagging_share", "1", 0.5, 0.0, 1.2, "share of the lift that lags", symbol="k"),
     Parameter("build_up_lengths", "1", 4.0, 0.1, 20.0, "head lengths travelled as lift builds up",
               symbol="s"),
@@ -40,7 +42,7 @@ PARAMETERS = (
     Parameter("moment_share", "1", 0.0, 0.0, 1.2, "part of the moment that lags as the lift does",
               spread=0.5, symbol="m"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "force": {"speed_exponent": 0.0},
     "circulation": {},
     "coefficient": {"speed_exponent": 2.0},
@@ -48,15 +50,15 @@ FORMS = {
     "moment as well": {"moment_share": 1.0},
     "short lag": {"build_up_lengths": 0.5},
 }
-STATES = ("z", "y_lag")
+EFFECT_STATE_NAMES = ("z", "y_lag")
 
 
-def plate(
+def head_plate_force(
     rho: float, A: float, uh: float, vh: float, V: float, C_La: float,
     z: float, y_lag: float, k: float, w: float, e: float,
 ) -> tuple[float, float]:  # fmt: skip
     """Lift that is not there yet, in the head's frame (N)."""
-    late = power(V, e) * (z + w * (y_lag - z))
+    late = branchless_power(V, e) * (z + w * (y_lag - z))
     L = 0.5 * rho * A * C_La * k * (late + 2.0 * uh * vh) / V
     return -L * vh, L * uh
 
@@ -66,13 +68,13 @@ def force(
     z: float, y_lag: float, k: float, w: float, e: float, m: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Moment that is not there yet (N m)."""
-    late = power(V, e) * (z + w * (y_lag - z))
+    late = branchless_power(V, e) * (z + w * (y_lag - z))
     return 0.0, 0.0, 0.5 * rho * A * C_Ma * m * k * (late + 2.0 * uh * vh)
 
 
-def own_rates(
+def effect_state_derivatives(
     uh: float, vh: float, V: float, h: float, z: float, y_lag: float, s: float, e: float
 ) -> tuple[float, float]:
     """Derivatives of z and y, (m/s)^(2 - e) a second; not faster than the integrator follows."""
     rate = min(V / (s * h), 60.0)
-    return (-2.0 * uh * vh * power(V, -e) - z) * rate, (z - y_lag) * rate
+    return (-2.0 * uh * vh * branchless_power(V, -e) - z) * rate, (z - y_lag) * rate

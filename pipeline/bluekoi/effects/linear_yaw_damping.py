@@ -22,23 +22,23 @@ import math
 
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("yaw",)
-VARIABLES = ("turn",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("yaw",)
+DEPENDS_ON_VARIABLES = ("turn",)
+EFFECT_DESCRIPTION = (
     "The water damps turning in proportion to the yaw rate, in addition to the quadratic damping "
     "of the model."
 )
-REGIME = "turns, mostly at low yaw rate and low power"
+MOST_VISIBLE_WHERE = "turns, mostly at low yaw rate and low power"
 CONFUSED_WITH = ("tail_fin_lift", "crossflow_drag", "viscous_drag")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("N_r", "N m s", 0.005, 0.0, 0.3, "moment over yaw rate, at 0.5 rad/s and 0.3 m/s"),
     Parameter("laminar_share", "1", 0.0, 0.0, 1.0, "part that grows as r^1.5",
               spread=0.5, symbol="p"),
     Parameter("speed_share", "1", 0.0, 0.0, 1.0, "part that grows as V r",
               spread=0.5, symbol="q"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "r": {},
     "r^(3/2)": {"laminar_share": 1.0},
     "V r": {"speed_share": 1.0},

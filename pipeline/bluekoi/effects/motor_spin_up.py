@@ -21,16 +21,16 @@ from __future__ import annotations
 from ..integrate.branchless import exponential
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge",)
-VARIABLES = ("early",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge",)
+DEPENDS_ON_VARIABLES = ("early",)
+EFFECT_DESCRIPTION = (
     "The tail does not beat at full frequency from the start: the motor needs time to reach its "
     "speed."
 )
-REGIME = "the first second of every trial"
+MOST_VISIBLE_WHERE = "the first second of every trial"
 CONFUSED_WITH = ("added_mass", "time_offset", "thrust_loss_with_speed")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("missing_share", "1", 0.5, 0.0, 1.0, "share of the frequency missing at the start",
               symbol="k"),
     Parameter("time_constant", "s", 0.4, 0.05, 3.0, "time constant, half the duration of a ramp",
@@ -42,7 +42,7 @@ PARAMETERS = (
     Parameter("dead_time", "s", 0.0, 0.0, 1.0, "time in which the frequency does not rise",
               spread=0.15, symbol="t_d"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "first order": {"ramp_share": 0.0},
     "ramp": {"ramp_share": 1.0},
     "S-curve": {"ramp_share": 1.0, "ramp_smoothness": 1.0},
@@ -57,10 +57,10 @@ def lost_time(k: float, tau: float, t_d: float) -> float:
     return k * (tau + t_d)
 
 
-EVIDENCE = {"lost_time": lost_time}
+SIDE_MEASUREMENT_PREDICTIONS = {"lost_time": lost_time}
 
 
-def drive(
+def actuation_inputs(
     t: float, t_start: float, flap_hz: float, k: float, tau: float, w: float, q: float, t_d: float
 ) -> tuple[float, float]:
     """Change of head angle (rad) and flapping frequency (Hz)."""

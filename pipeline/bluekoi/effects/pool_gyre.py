@@ -28,16 +28,16 @@ import math
 from ..integrate.branchless import sin_cos
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge", "sway", "yaw")
-VARIABLES = ("place",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge", "sway", "yaw")
+DEPENDS_ON_VARIABLES = ("place",)
+EFFECT_DESCRIPTION = (
     "The water of the pool rotates slowly as one eddy, so that the current depends on the "
     "position in the pool."
 )
-REGIME = "all trials, differently at each position in the pool"
+MOST_VISIBLE_WHERE = "all trials, differently at each position in the pool"
 CONFUSED_WITH = ("uniform_current", "wall_effect", "port_starboard_asymmetry")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("wall_speed", "m/s", 0.01, -0.3, 0.3,
               "speed at the long walls, counter-clockwise positive", symbol="G"),
     Parameter("rotation_share", "1", 0.5, 0.0, 1.5,
@@ -51,7 +51,7 @@ PARAMETERS = (
     Parameter("core_radius", "m", 0.6, 0.15, 3.0, "radius of the core of the vortex",
               spread=0.4, symbol="a"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "cell": {},
     "vortex": {"vortex_share": 1.0},
     "solid body": {"vortex_share": 1.0, "core_radius": 1.2},
@@ -59,7 +59,7 @@ FORMS = {
 }
 
 
-def water(
+def ambient_flow(
     x: float, y: float, psi: float, L_pool: float, W_pool: float,
     G: float, g: float, d: float, b: float, c: float, a: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip

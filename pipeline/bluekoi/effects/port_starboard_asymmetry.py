@@ -22,18 +22,18 @@ import math
 
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("sway", "yaw")
-VARIABLES = ("side",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("sway", "yaw")
+DEPENDS_ON_VARIABLES = ("side",)
+EFFECT_DESCRIPTION = (
     "Lift, drag or yaw damping differ between the two sides, so that turns to port and to "
     "starboard differ."
 )
-REGIME = "turns, with opposite sign to port and starboard"
+MOST_VISIBLE_WHERE = "turns, with opposite sign to port and starboard"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "keypoint_bias")
 NEEDS_TURNS_TO_BOTH_SIDES = True
-STRENGTH_COUNT = 3
-PARAMETERS = (
+STRENGTH_PARAMETER_COUNT = 3
+EFFECT_PARAMETERS = (
     Parameter("lift_difference", "1", 0.05, -1.0, 1.0,
               "lift to the left over that of a symmetric head, minus 1",
               symbol="k"),
@@ -46,7 +46,7 @@ PARAMETERS = (
     Parameter("moment_share", "1", 0.0, 0.0, 1.2,
               "part of the moment that differs as the lift does", spread=0.5, symbol="m"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "step": {"transition_sine": 0.0},
     "smooth": {"transition_sine": 0.2},
     "at large angles": {"transition_sine": 1.0},
@@ -54,7 +54,7 @@ FORMS = {
 }
 
 
-def plate(
+def head_plate_force(
     rho: float, A: float, uh: float, vh: float, V: float, C_La: float, C_Da: float,
     k: float, g: float, w: float,
 ) -> tuple[float, float]:  # fmt: skip

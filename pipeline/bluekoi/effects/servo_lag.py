@@ -22,19 +22,19 @@ and 4.6 (underdamped second-order response).
 
 from __future__ import annotations
 
-from ..integrate.branchless import exponential, power, sin_cos
+from ..integrate.branchless import branchless_power, exponential, sin_cos
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("yaw", "sway")
-VARIABLES = ("early",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("yaw", "sway")
+DEPENDS_ON_VARIABLES = ("early",)
+EFFECT_DESCRIPTION = (
     "The head does not stand at its commanded angle from the start: the servo needs time to turn "
     "it."
 )
-REGIME = "the first second of turns"
+MOST_VISIBLE_WHERE = "the first second of turns"
 CONFUSED_WITH = ("motor_spin_up", "lift_lag", "time_offset")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("missing_share", "1", 0.5, 0.0, 1.2, "share of the angle missing at the start",
               symbol="k"),
     Parameter("time_constant", "s", 0.4, 0.05, 3.0, "time constant", symbol="tau"),
@@ -51,7 +51,7 @@ PARAMETERS = (
     Parameter("swing_rate", "1", 3.0, 0.5, 8.0, "swings, in radians, in a time constant",
               spread=2.0, symbol="b"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "first order": {"rate_limit_exponent": 1.0, "angle_dependence": 0.0},
     "second order, overshooting": {"overshoot_share": 1.0},
     "limited rate": {"rate_limit_exponent": 3.0, "angle_dependence": 1.0},
@@ -62,7 +62,7 @@ FORMS = {
 }
 
 
-def drive(
+def actuation_inputs(
     t: float, head_angle: float, k: float, tau: float, n: float, q: float, t_d: float, w: float,
     b: float,
 ) -> tuple[float, float]:  # fmt: skip
@@ -71,7 +71,7 @@ def drive(
     late = max(t - t_d, 1e-9) / T
     sin_z, cos_z = sin_cos(b * late)
     swing = 1.0 - w + w * (cos_z + sin_z / b)
-    return -head_angle * k * exponential(-power(late, n)) * swing, 0.0
+    return -head_angle * k * exponential(-branchless_power(late, n)) * swing, 0.0
 
 
 def core_turn_rate(
@@ -81,7 +81,7 @@ def core_turn_rate(
     """Rate at which the core turns (rad/s): c times that of the head angle."""
     T = tau * (1.0 - q + q * (abs(head_angle) + 1e-3) / 0.7853981633974483)
     late = max(t - t_d, 1e-9) / T
-    left = power(late, n)
+    left = branchless_power(late, n)
     moving = min(max(1.0 + 1e6 * (t - t_d), 0.0), 1.0)  # 0 until a microsecond before t_d
     sin_z, cos_z = sin_cos(b * late)
     swing = 1.0 - w + w * (cos_z + sin_z / b)

@@ -20,16 +20,16 @@ from __future__ import annotations
 from ..integrate.branchless import exponential
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge", "sway")
-VARIABLES = ("time",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge", "sway")
+DEPENDS_ON_VARIABLES = ("time",)
+EFFECT_DESCRIPTION = (
     "The robot sinks during the trial: its image shrinks towards the point below the camera, and "
     "its drag changes."
 )
-REGIME = "late in long trials"
+MOST_VISIBLE_WHERE = "late in long trials"
 CONFUSED_WITH = ("battery_sag", "wake_reentry")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("shrink_rate", "1/s", 0.002, 0.0, 0.05,
               "rate at which its image approaches the point below the camera", symbol="g"),
     Parameter("drag_growth_ratio", "1", 10.0, 0.0, 60.0,
@@ -40,14 +40,14 @@ PARAMETERS = (
     Parameter("settling_rate", "1/s", 0.002, 1e-4, 1.0, "rate at which the depth settles",
               spread=0.3, symbol="b"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "steady": {},
     "accelerated": {"quadratic_share": 1.0},
     "settling": {"settling_rate": 0.25},
 }
 
 
-def sunk(t: float, w: float, b: float) -> float:
+def sinking_time_law_s(t: float, w: float, b: float) -> float:
     """s(t) of the equations above (s)."""
     return (1.0 + w * (0.25 * t - 1.0)) * (1.0 - exponential(-b * t)) / b
 
@@ -57,7 +57,7 @@ def force(
     b: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N)."""
-    s = -0.5 * rho * A * c_g * g * sunk(t, w, b) * V
+    s = -0.5 * rho * A * c_g * g * sinking_time_law_s(t, w, b) * V
     return s * uc, s * vc, 0.0
 
 
@@ -65,5 +65,5 @@ def observe(
     t: float, x: float, y: float, x_cam: float, y_cam: float, g: float, w: float, b: float
 ) -> tuple[float, float, float, float]:
     """Change of what is seen (m, m, rad, rad)."""
-    s = -g * sunk(t, w, b)
+    s = -g * sinking_time_law_s(t, w, b)
     return s * (x - x_cam), s * (y - y_cam), 0.0, 0.0

@@ -20,15 +20,15 @@ from __future__ import annotations
 from ..integrate.branchless import smooth_step
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("sway", "yaw")
-VARIABLES = ("angle of attack",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("sway", "yaw")
+DEPENDS_ON_VARIABLES = ("angle of attack",)
+EFFECT_DESCRIPTION = (
     "At a high angle of attack the flow separates from the head, which loses part of its lift."
 )
-REGIME = "large head angles, with an angle of attack above 20 degrees"
+MOST_VISIBLE_WHERE = "large head angles, with an angle of attack above 20 degrees"
 CONFUSED_WITH = ("head_angle_offset", "lift_lag", "servo_lag")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("lift_loss", "1", 0.3, 0.0, 1.0, "share of the lift lost in fully separated flow",
               symbol="k"),
     Parameter("onset_sine", "1", 0.4, 0.05, 0.8, "sine of the angle of attack at the onset",
@@ -43,7 +43,7 @@ PARAMETERS = (
     Parameter("separation_lengths", "1", 0.0, 0.0, 10.0,
               "head lengths travelled as the flow separates", spread=1.5, symbol="s"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "smooth step": {},
     "slow separation (Goman and Khrabrov)": {"separation_lengths": 3.0},
     "lift and moment": {"moment_share": 1.0},
@@ -51,10 +51,10 @@ FORMS = {
     "early": {"onset_sine": 0.2},
     "late": {"onset_sine": 0.6},
 }
-STATES = ("z_stall",)
+EFFECT_STATE_NAMES = ("z_stall",)
 
 
-def plate(
+def head_plate_force(
     rho: float, A: float, uh: float, vh: float, V: float, C_La: float,
     z_stall: float, k: float, j: float,
 ) -> tuple[float, float]:  # fmt: skip
@@ -71,7 +71,7 @@ def force(
     return 0.0, 0.0, m * k * z_stall * 0.5 * rho * A * C_Ma * 2.0 * uh * vh
 
 
-def own_rates(
+def effect_state_derivatives(
     vh: float, V: float, h: float, z_stall: float, s0: float, b: float, s: float
 ) -> tuple[float]:
     """Derivative of the separated share z (1/s), not faster than the integrator follows."""

@@ -44,19 +44,19 @@ import math
 
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("sway", "yaw")
-VARIABLES = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("sway", "yaw")
+DEPENDS_ON_VARIABLES = (
     "drift",
     "turn",
 )
-STATEMENT = (
+EFFECT_DESCRIPTION = (
     "Core and tail act as a fin: with sideways motion or rotation they produce a side force that "
     "grows with forward speed and turns the nose into the flow."
 )
-REGIME = "turns and sideways motion with forward speed; not in straight swimming"
+MOST_VISIBLE_WHERE = "turns and sideways motion with forward speed; not in straight swimming"
 CONFUSED_WITH = ("crossflow_drag", "linear_yaw_damping", "added_mass")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("lift_area", "m2", 0.03, 0.0, 0.1, "lift slope times area of the fin", symbol="S"),
     Parameter("arm", "m", 0.15, 0.0, 0.4, "distance of the fin behind the centre of mass",
               symbol="a"),
@@ -71,7 +71,7 @@ PARAMETERS = (
     Parameter("build_up_lengths", "1", 0.2, 0.0, 4.0, "head lengths travelled as lift builds up",
               spread=0.5, symbol="s"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "|u| w": {"sideways_flow_share": 0.0},
     "V w": {"sideways_flow_share": 1.0},
     "stalling": {"sideways_flow_share": -0.5},
@@ -81,7 +81,7 @@ FORMS = {
     "late lift": {"build_up_lengths": 1.0},
     "far behind": {"arm": 0.25},
 }
-STATES = ("z_fin",)
+EFFECT_STATE_NAMES = ("z_fin",)
 
 
 def force(
@@ -99,7 +99,7 @@ def force(
     return g * uc * (Xf + Xr), Yf + Yr, -front * Yf - rear * Yr
 
 
-def own_rates(
+def effect_state_derivatives(
     uc: float, vc: float, rc: float, h: float, z_fin: float, a: float, s: float
 ) -> tuple[float]:
     """Derivative of z (m/s2), not faster than the integrator follows.

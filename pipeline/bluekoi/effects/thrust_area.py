@@ -15,13 +15,13 @@ from __future__ import annotations
 
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge",)
-VARIABLES = ("head length",)
-STATEMENT = "Thrust does not grow with the length of the head, contrary to Eq. 1."
-REGIME = "trials with another head than the 1x head"
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge",)
+DEPENDS_ON_VARIABLES = ("head length",)
+EFFECT_DESCRIPTION = "Thrust does not grow with the length of the head, contrary to Eq. 1."
+MOST_VISIBLE_WHERE = "trials with another head than the 1x head"
 CONFUSED_WITH = ("centre_of_mass_shift", "added_mass")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("missing_share", "1", 0.5, 0.0, 1.5,
               "share of the growth with head area that is missing", symbol="k"),
 )  # fmt: skip

@@ -18,23 +18,23 @@ from __future__ import annotations
 
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("yaw",)
-VARIABLES = ("head angle",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("yaw",)
+DEPENDS_ON_VARIABLES = ("head angle",)
+EFFECT_DESCRIPTION = (
     "When the head is turned, the line of thrust misses the centre of mass, and the thrust turns "
     "the robot."
 )
-REGIME = "turns, in proportion to thrust; also at rest"
+MOST_VISIBLE_WHERE = "turns, in proportion to thrust; also at rest"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "stall")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("offset", "m", 0.003, -0.05, 0.05,
               "distance at a head angle of 90 degrees (w = 0)", symbol="d"),
     Parameter("linear_share", "1", 0.0, -4.0, 4.0,
               "weight of the difference between the angle and its sine",
               spread=1.5, symbol="w"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "sin phi": {},
     "phi": {"linear_share": 1.0},
     "sin 2 phi": {"linear_share": -3.0},

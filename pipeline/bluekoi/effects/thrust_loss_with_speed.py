@@ -18,19 +18,19 @@ Triantafyllou et al., J. Fluids Struct. 7 (1993), 205 (Strouhal number of fish t
 
 from __future__ import annotations
 
-from ..integrate.branchless import power
+from ..integrate.branchless import branchless_power
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge",)
-VARIABLES = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge",)
+DEPENDS_ON_VARIABLES = (
     "speed",
     "beat",
 )
-STATEMENT = "Thrust falls as the forward speed of the robot rises."
-REGIME = "start-up (more thrust) against steady swimming (less thrust)"
+EFFECT_DESCRIPTION = "Thrust falls as the forward speed of the robot rises."
+MOST_VISIBLE_WHERE = "start-up (more thrust) against steady swimming (less thrust)"
 CONFUSED_WITH = ("viscous_drag", "wave_drag", "battery_sag")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("loss_per_advance", "m", 0.02, 0.0, 1.0,
               "loss of T / (rho A f^2) per metre of advance, at 0.15 m", symbol="k"),
     Parameter("quadratic_share", "1", 0.0, 0.0, 4.0, "part that grows as the advance squared",
@@ -38,7 +38,7 @@ PARAMETERS = (
     Parameter("frequency_exponent", "1", 0.0, 0.0, 2.0, "growth with frequency at equal advance",
               spread=1.0, symbol="q"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "linear": {},
     "quadratic": {"quadratic_share": 1.0},
     "square of the speed": {"quadratic_share": 1.0, "frequency_exponent": 2.0},
@@ -48,5 +48,5 @@ FORMS = {
 
 def thrust(rho: float, A: float, f: float, uc: float, k: float, w: float, q: float) -> tuple[float]:
     """Change of thrust (N)."""
-    beat = power(max(f, 1e-9) / 3.5, q)
+    beat = branchless_power(max(f, 1e-9) / 3.5, q)
     return (-k * rho * A * uc * ((1.0 - w) * f + w * uc / 0.15) * beat,)

@@ -16,18 +16,18 @@ Source: Fossen (2011), sec. 7.1 (asymmetric hull terms).
 
 from __future__ import annotations
 
-from ..integrate.branchless import power
+from ..integrate.branchless import branchless_power
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("yaw",)
-VARIABLES = ("side",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("yaw",)
+DEPENDS_ON_VARIABLES = ("side",)
+EFFECT_DESCRIPTION = (
     "A small constant yaw moment acts even with a straight head: the robot is not symmetric."
 )
-REGIME = "all trials, with the same sign; best in straight runs"
+MOST_VISIBLE_WHERE = "all trials, with the same sign; best in straight runs"
 CONFUSED_WITH = ("head_angle_offset", "port_starboard_asymmetry", "keypoint_bias")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("moment_arm", "m", 0.001, -0.1, 0.1,
               "moment per 1/2 rho A V0^2, counter-clockwise positive", symbol="c"),
     Parameter("speed_dependence", "1", 1.0, 0.0, 1.5, "growth with speed squared",
@@ -35,7 +35,7 @@ PARAMETERS = (
     Parameter("thrust_share", "1", 0.0, 0.0, 1.0, "part that goes with the thrust",
               spread=0.5, symbol="w"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "V^2": {},
     "constant": {"speed_dependence": 0.0},
     "in proportion to the thrust": {"thrust_share": 1.0},
@@ -46,5 +46,5 @@ def force(
     rho: float, A: float, f: float, V: float, c: float, p: float, w: float
 ) -> tuple[float, float, float]:
     """Yaw moment alone (N m)."""
-    hull, beat = power(max(V, 1e-9) / 0.3, 2.0 * p), f / 3.5
+    hull, beat = branchless_power(max(V, 1e-9) / 0.3, 2.0 * p), f / 3.5
     return 0.0, 0.0, 0.045 * rho * A * c * (hull + w * (beat * beat - hull))

@@ -17,16 +17,16 @@ from __future__ import annotations
 
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge", "sway")
-VARIABLES = ("current",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge", "sway")
+DEPENDS_ON_VARIABLES = ("current",)
+EFFECT_DESCRIPTION = (
     "The water moves with the same velocity everywhere and carries the robot along: circles drift."
 )
-REGIME = "all trials, in a fixed direction of the pool"
+MOST_VISIBLE_WHERE = "all trials, in a fixed direction of the pool"
 CONFUSED_WITH = ("pool_gyre", "keypoint_bias", "trim_moment")
-STRENGTH_COUNT = 2
-PARAMETERS = (
+STRENGTH_PARAMETER_COUNT = 2
+EFFECT_PARAMETERS = (
     Parameter("c_x", "m/s", 0.005, -0.3, 0.3, "current along the pool's x"),
     Parameter("c_y", "m/s", 0.005, -0.3, 0.3, "current along the pool's y"),
     Parameter("shear", "1", 0.0, -1.0, 1.0, "change of the current from the middle to a wall",
@@ -34,14 +34,14 @@ PARAMETERS = (
     Parameter("growth", "1", 0.0, -1.0, 1.0, "change of the current in 3 s",
               spread=0.3, symbol="b"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "constant": {},
     "sheared": {"shear": 1.0},
     "drifting": {"growth": 0.5},
 }
 
 
-def water(
+def ambient_flow(
     t: float, x: float, y: float, L_pool: float, W_pool: float,
     c_x: float, c_y: float, a: float, b: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip

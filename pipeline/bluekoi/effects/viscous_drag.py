@@ -17,19 +17,19 @@ ch. 18 (turbulent).
 
 from __future__ import annotations
 
-from ..integrate.branchless import power
+from ..integrate.branchless import branchless_power
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge", "sway")
-VARIABLES = ("speed",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge", "sway")
+DEPENDS_ON_VARIABLES = ("speed",)
+EFFECT_DESCRIPTION = (
     "Skin friction grows more slowly than the square of the speed, so that drag at low power is "
     "larger than in the model."
 )
-REGIME = "low speed: the smallest power, start-up and coasting"
+MOST_VISIBLE_WHERE = "low speed: the smallest power, start-up and coasting"
 CONFUSED_WITH = ("coulomb_friction", "thrust_loss_with_speed", "wave_drag")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("coefficient", "N (s/m)^1.5", 0.1, 0.0, 5.0, "force at 0.3 m/s over 0.3^1.5",
               symbol="k"),
     Parameter("speed_exponent", "1", 1.5, 1.0, 1.9, "power of the speed with which it grows",
@@ -37,7 +37,7 @@ PARAMETERS = (
     Parameter("head_share", "1", 0.0, 0.0, 1.0, "part of it that acts at the head",
               spread=0.5, symbol="h"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "V": {"speed_exponent": 1.0},
     "V^(3/2)": {},
     "V^1.8": {"speed_exponent": 1.8},
@@ -49,5 +49,5 @@ def force(
     l: float, uc: float, vc: float, V: float, k: float, p: float, h: float
 ) -> tuple[float, float, float]:
     """Surge and sway (N) and yaw (N m)."""
-    s = -0.5477225575051661 * k * power(max(V, 1e-9) / 0.3, p - 1.0)
+    s = -0.5477225575051661 * k * branchless_power(max(V, 1e-9) / 0.3, p - 1.0)
     return s * uc, s * vc, h * l * s * vc

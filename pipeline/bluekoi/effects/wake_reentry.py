@@ -16,16 +16,16 @@ self-propelled body) and 4.2 (a wake that fades with its age).
 
 from __future__ import annotations
 
-from ..integrate.branchless import power, smooth_step
+from ..integrate.branchless import branchless_power, smooth_step
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge", "sway")
-VARIABLES = ("heading turned",)
-STATEMENT = "After a full circle the robot swims through its own wake."
-REGIME = "tight turns beyond 360 degrees of arc"
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge", "sway")
+DEPENDS_ON_VARIABLES = ("heading turned",)
+EFFECT_DESCRIPTION = "After a full circle the robot swims through its own wake."
+MOST_VISIBLE_WHERE = "tight turns beyond 360 degrees of arc"
 CONFUSED_WITH = ("battery_sag", "sinking")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("drag_loss", "1", 0.2, -3.0, 3.0,
               "share of the drag 1/2 rho A V^2 that is lost in the wake", symbol="k"),
     Parameter("entry_turns", "1", 0.9, 0.1, 1.5, "turns after which it meets its wake",
@@ -39,7 +39,7 @@ PARAMETERS = (
     Parameter("linear_share", "1", 0.0, 0.0, 1.0, "part in proportion to the speed",
               spread=0.5, symbol="j"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "step": {},
     "ramp": {"entry_width": 1.2},
     "grows with each turn": {"growth_per_turn": 0.5},
@@ -56,6 +56,6 @@ def force(
     """Surge and sway (N)."""
     turns = abs(psi - psi0) / 6.283185307179586
     entered = smooth_step((turns - n_1) / b + 0.5) * (1.0 + g * max(turns - n_1, 0.0))
-    age = power(max(0.954929658551372 * abs(rc), 1e-3), a)
+    age = branchless_power(max(0.954929658551372 * abs(rc), 1e-3), a)
     s = 0.5 * rho * A * k * entered * age * (V + j * (0.3 - V))
     return s * uc, s * vc, 0.0

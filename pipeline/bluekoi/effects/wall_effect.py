@@ -19,16 +19,16 @@ from __future__ import annotations
 from ..integrate.branchless import exponential
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge", "sway", "yaw")
-VARIABLES = ("place",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge", "sway", "yaw")
+DEPENDS_ON_VARIABLES = ("place",)
+EFFECT_DESCRIPTION = (
     "Close to a wall of the pool, additional drag, an attraction and a yaw moment act on the robot."
 )
-REGIME = "within about 0.3 m of a wall"
+MOST_VISIBLE_WHERE = "within about 0.3 m of a wall"
 CONFUSED_WITH = ("pool_gyre", "uniform_current")
-STRENGTH_COUNT = 3
-PARAMETERS = (
+STRENGTH_PARAMETER_COUNT = 3
+EFFECT_PARAMETERS = (
     Parameter("added_drag", "1", 0.5, 0.0, 20.0,
               "share of the drag 1/2 rho A V^2 added at the wall", symbol="k"),
     Parameter("suction", "1", 0.2, -20.0, 20.0, "pull towards a wall over 1/2 rho A V^2",
@@ -42,7 +42,7 @@ PARAMETERS = (
               "part that falls as the inverse square of the distance",
               spread=0.5, symbol="w"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "exponential": {},
     "wide": {"decay_length": 0.3},
     "image": {"wide_share": 1.0},
@@ -50,7 +50,7 @@ FORMS = {
 }
 
 
-def near(d: float, w: float) -> float:
+def wall_decay_factor(d: float, w: float) -> float:
     """Effect of a wall at the distance d, in decay lengths."""
     steep = exponential(-d)
     return steep + w * (1.0 / (1.0 + d * d) - steep)
@@ -61,8 +61,14 @@ def force(
     float, uc: float, vc: float, V: float, k: float, g: float, j: float, s: float, w: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N) and yaw (N m)."""
-    left, right = near(max(x, 0.0) / s, w), near(max(L_pool - x, 0.0) / s, w)
-    low, high = near(max(y, 0.0) / s, w), near(max(W_pool - y, 0.0) / s, w)
+    left, right = (
+        wall_decay_factor(max(x, 0.0) / s, w),
+        wall_decay_factor(max(L_pool - x, 0.0) / s, w),
+    )
+    low, high = (
+        wall_decay_factor(max(y, 0.0) / s, w),
+        wall_decay_factor(max(W_pool - y, 0.0) / s, w),
+    )
     q = 0.5 * rho * A * V
     drag = -k * q * (left + right + low + high)
     px, py = q * V * (right - left), q * V * (high - low)

@@ -26,16 +26,16 @@ from __future__ import annotations
 
 from ..integrate.system import Parameter
 
-KIND = "physics"
-CHANNELS = ("surge", "sway")
-VARIABLES = ("speed",)
-STATEMENT = (
+EFFECT_KIND = "physics"
+AFFECTED_CHANNELS = ("surge", "sway")
+DEPENDS_ON_VARIABLES = ("speed",)
+EFFECT_DESCRIPTION = (
     "Close to the surface the robot makes waves; their drag grows faster than the square of the "
     "speed."
 )
-REGIME = "the highest speeds: the largest power"
+MOST_VISIBLE_WHERE = "the highest speeds: the largest power"
 CONFUSED_WITH = ("thrust_loss_with_speed", "viscous_drag")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("coefficient", "N (s/m)^4", 1.0, 0.0, 60.0, "force at 0.4 m/s over 0.4^4",
               symbol="k"),
     Parameter("sixth_power_share", "1", 0.0, 0.0, 1.0, "part that grows as V^6",
@@ -49,7 +49,7 @@ PARAMETERS = (
     Parameter("onset_speed", "m/s", 0.23, 0.0, 0.35, "speed from which the robot makes waves",
               spread=0.05, symbol="V_0"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "V^4": {},
     "V^6": {"sixth_power_share": 1.0},
     "hump": {"hump_share": 1.0},

@@ -18,39 +18,39 @@ significance  whether the trials agree that a named cause acts
 """
 
 from .candidates import Candidate, Priors, candidates_of
-from .expansion import Expansion, expand_about
+from .expansion import LikelihoodExpansion, expand_likelihood
 from .named_cause import NamedCause
 from .naming import best_set, choose_causes, named_causes
-from .own_noise import fit_own_noise, without_discrepancy
-from .posterior import Posterior, posterior
-from .problem import Problem
-from .refit import FittedSet, fit_set, off_bounds_mask
-from .search import FittedSets, search_sets
-from .set_score import ScoredSet
+from .own_noise import fit_own_noise, refit_without_discrepancy
+from .posterior import Posterior, posterior_over_sets
+from .problem import CauseSearchProblem
+from .refit import FittedCauseSet, fit_set, off_bounds_mask
+from .search import FittedCauseSets, search_sets
+from .set_score import ScoredCauseSet
 from .significance import insignificance_sentence, insignificant_causes, strength_estimates
 
 __all__ = [
     "Candidate",
-    "Expansion",
-    "FittedSet",
-    "FittedSets",
+    "CauseSearchProblem",
+    "FittedCauseSet",
+    "FittedCauseSets",
+    "LikelihoodExpansion",
     "NamedCause",
     "Posterior",
     "Priors",
-    "Problem",
-    "ScoredSet",
+    "ScoredCauseSet",
     "best_set",
     "candidates_of",
     "choose_causes",
-    "expand_about",
+    "expand_likelihood",
     "fit_own_noise",
     "fit_set",
     "insignificance_sentence",
     "insignificant_causes",
     "named_causes",
     "off_bounds_mask",
-    "posterior",
+    "posterior_over_sets",
+    "refit_without_discrepancy",
     "search_sets",
     "strength_estimates",
-    "without_discrepancy",
 ]

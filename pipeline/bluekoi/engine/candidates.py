@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import Free
+from ..fitting import FreeParameter
 from ..integrate import Effect, Parameter, System
 
-RESIDUAL = "residual"
-Sources = frozenset[tuple[str, str]]
+RESIDUAL_EFFECT_KIND = "residual"
+ChannelVariablePairs = frozenset[tuple[str, str]]
 
 
 @dataclass(frozen=True)
@@ -31,20 +31,20 @@ class Candidate:
 
     name: str
     kind: str
-    strengths: tuple[Free, ...]
-    forms: tuple[Free, ...]
+    strengths: tuple[FreeParameter, ...]
+    forms: tuple[FreeParameter, ...]
     prior: float
-    sources: Sources = frozenset()
+    sources: ChannelVariablePairs = frozenset()
 
     @property
-    def free(self) -> tuple[Free, ...]:
+    def free(self) -> tuple[FreeParameter, ...]:
         """Strengths, then forms."""
         return (*self.strengths, *self.forms)
 
     @property
     def is_residual(self) -> bool:
         """Whether it is a force without a physical statement."""
-        return self.kind == RESIDUAL
+        return self.kind == RESIDUAL_EFFECT_KIND
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def candidates_of(
     system: System,
     names: Sequence[str],
     priors: Priors,
-    terms: Mapping[str, Sources] | None = None,
+    terms: Mapping[str, ChannelVariablePairs] | None = None,
 ) -> tuple[Candidate, ...]:
     """Candidates by effect name; an effect of kind `residual` without forms of its own gives one
     candidate a strength.
@@ -72,50 +72,72 @@ def candidates_of(
     terms: residual term -> channels and variables; those of other candidates are their effects'.
     """
     effects = [system.effect(name) for name in names]
-    unlisted = [c for e in effects if e.kind == RESIDUAL
+    unlisted = [c for e in effects if e.kind == RESIDUAL_EFFECT_KIND
                 for c in _residual_candidates(e, terms or {})]  # fmt: skip
     share = priors.unlisted / max(len(unlisted), 1)
     out = [replace(c, prior=share) for c in unlisted]
     for effect in effects:
-        if effect.kind != RESIDUAL:
+        if effect.kind != RESIDUAL_EFFECT_KIND:
             prior = (priors.likely or {}).get(effect.name, priors.cause)
             strengths, forms = _strengths_and_forms(effect)
             out.append(Candidate(effect.name, effect.kind, strengths, forms, prior,
-                                 sources_of(effect)))  # fmt: skip
+                                 channel_variable_pairs_of(effect)))  # fmt: skip
     return tuple(out)
 
 
-def _strengths_and_forms(effect: Effect) -> tuple[tuple[Free, ...], tuple[Free, ...]]:
-    labels = [Free(f"{effect.name}.{p.name}") for p in effect.parameters]
+def _strengths_and_forms(
+    effect: Effect,
+) -> tuple[tuple[FreeParameter, ...], tuple[FreeParameter, ...]]:
+    labels = [FreeParameter(f"{effect.name}.{p.name}") for p in effect.parameters]
     return tuple(labels[: effect.strengths]), tuple(labels[effect.strengths :])
 
 
-def _residual_candidates(effect: Effect, terms: Mapping[str, Sources]) -> list[Candidate]:
+def _residual_candidates(
+    effect: Effect, terms: Mapping[str, ChannelVariablePairs]
+) -> list[Candidate]:
     """Candidates of a residual effect; their prior is set by how many there are."""
     strengths, forms = _strengths_and_forms(effect)
     if forms or len(strengths) == 1:
-        return [Candidate(effect.name, RESIDUAL, strengths, forms, 0.0, sources_of(effect))]
-    return [Candidate(s.name, RESIDUAL, (s,), (), 0.0, terms.get(s.name, sources_of(effect)))
-            for s in strengths]  # fmt: skip
+        return [
+            Candidate(
+                effect.name,
+                RESIDUAL_EFFECT_KIND,
+                strengths,
+                forms,
+                0.0,
+                channel_variable_pairs_of(effect),
+            )
+        ]
+    return [
+        Candidate(
+            s.name,
+            RESIDUAL_EFFECT_KIND,
+            (s,),
+            (),
+            0.0,
+            terms.get(s.name, channel_variable_pairs_of(effect)),
+        )
+        for s in strengths
+    ]
 
 
-def sources_of(effect: Effect) -> Sources:
+def channel_variable_pairs_of(effect: Effect) -> ChannelVariablePairs:
     """Pairs of channel and variable of an effect's force."""
     return frozenset((c, v) for c in effect.channels for v in effect.variables)
 
 
-def parameter_definition(system: System, free: Free) -> Parameter:
+def parameter_definition(system: System, free: FreeParameter) -> Parameter:
     """The parameter that a free number is a value of."""
     return system.parameters[system.slot[free.name]]
 
 
-def strength_step(system: System, free: Free) -> float:
+def strength_step(system: System, free: FreeParameter) -> float:
     """Size of the difference by which a strength is varied about 0."""
     p = parameter_definition(system, free)
     return 1e-3 * max(abs(p.start), 0.01 * (p.upper - p.lower))
 
 
-def form_precision(system: System, forms: Sequence[Free]) -> Float:
+def form_precision(system: System, forms: Sequence[FreeParameter]) -> Float:
     """Prior precision (forms,) of functional forms, uniform ones as wide as their bounds."""
     rows = [parameter_definition(system, f) for f in forms]
     uniform = [(p.upper - p.lower) / np.sqrt(12.0) for p in rows]

@@ -16,8 +16,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from .expansion import Expansion, TriedForms
-from .problem import Problem
+from .expansion import LikelihoodExpansion, TriedForms
+from .problem import CauseSearchProblem
 
 MAX_VARIANCE_INFLATION = 10.0
 """Variance inflation factor 1 / (1 - R^2) above which two regressors count as collinear (Marquardt,
@@ -26,11 +26,13 @@ times larger than fitted alone: a force of z standard errors differs from the fo
 """
 
 
-def collinear_terms(problem: Problem, whole: Expansion, tried: TriedForms) -> frozenset[str]:
+def collinear_terms(
+    problem: CauseSearchProblem, whole: LikelihoodExpansion, tried: TriedForms
+) -> frozenset[str]:
     """Residual terms that are collinear with a form of a listed cause of the same channel and
     variable; tried: forms of all candidates.
     """
-    P = _beside_coefficients(whole.hessian.sum(axis=0), list(whole.own))
+    P = _schur_complement(whole.hessian.sum(axis=0), list(whole.own))
     listed = [(problem.by_name[name], columns) for name, forms in tried.items()
               if not problem.by_name[name].is_residual for _, columns in forms]  # fmt: skip
     out = set()
@@ -45,7 +47,7 @@ def collinear_terms(problem: Problem, whole: Expansion, tried: TriedForms) -> fr
     return frozenset(out)
 
 
-def _beside_coefficients(H: Float, own: list[int]) -> Float:
+def _schur_complement(H: Float, own: list[int]) -> Float:
     """Information matrix after the best fit of the numbers in the columns `own`; positive."""
     P: Float = H - H[:, own] @ np.linalg.pinv(H[np.ix_(own, own)]) @ H[own, :]
     empty = np.diag(P) <= 1e-9 * np.diag(H)  # what the coefficients take up entirely

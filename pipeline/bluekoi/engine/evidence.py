@@ -27,9 +27,9 @@ import numpy as np
 from scipy.special import gammaln, log_ndtr, logsumexp
 
 from ..data import Float
-from .expansion import Expansion
-from .problem import Problem
-from .set_columns import Layout, combinations_of_shares, with_shares
+from .expansion import LikelihoodExpansion
+from .problem import CauseSearchProblem
+from .set_columns import CauseSetColumns, combinations_of_shares, with_shares
 
 DIAGONAL_RIDGE = 1e-10
 """Added to the information, scaled to a diagonal of ones: a normal prior of 1e5 conditional
@@ -40,29 +40,31 @@ LOG_PROBABILITY_OF_IMPOSSIBLE = -50.0
 defined, and so low that no such set is named."""
 
 
-def log_evidence(expansion: Expansion, lay: Layout) -> float:
+def log_evidence(expansion: LikelihoodExpansion, lay: CauseSetColumns) -> float:
     """Log m(S) of a set, averaged over the shares of the discrepancies of its causes."""
-    values = [evidence_with_shares(expansion, lay, s) for s in combinations_of_shares(lay)]
+    values = [log_evidence_with_shares(expansion, lay, s) for s in combinations_of_shares(lay)]
     return float(logsumexp(values) - np.log(len(values)))
 
 
-def evidence_with_shares(expansion: Expansion, lay: Layout, shares: Mapping[str, float]) -> float:
+def log_evidence_with_shares(
+    expansion: LikelihoodExpansion, lay: CauseSetColumns, shares: Mapping[str, float]
+) -> float:
     """Log m(S) of a set with given shares of the discrepancies of its causes."""
     H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
     g = expansion.gradient.sum(axis=0)[lay.columns]
-    found = laplace_evidence(H, g, with_shares(lay, shares))
+    found = laplace_log_evidence(H, g, with_shares(lay, shares))
     return float(expansion.log_likelihood.sum()) + found
 
 
-def most_probable_shares(expansion: Expansion, lay: Layout) -> dict[str, float]:
+def most_probable_shares(expansion: LikelihoodExpansion, lay: CauseSetColumns) -> dict[str, float]:
     """Cause -> the share of its discrepancy with which the set has the largest evidence."""
     return max(
         combinations_of_shares(lay),
-        key=lambda shares: evidence_with_shares(expansion, lay, shares),
+        key=lambda shares: log_evidence_with_shares(expansion, lay, shares),
     )
 
 
-def laplace_evidence(H: Float, g: Float, lay: Layout) -> float:
+def laplace_log_evidence(H: Float, g: Float, lay: CauseSetColumns) -> float:
     """What the numbers of a set add to the log likelihood: best step, Occam factor and priors.
 
     H (p, p), g (p,): information and gradient of the likelihood in the columns of the layout.
@@ -91,12 +93,14 @@ def laplace_evidence(H: Float, g: Float, lay: Layout) -> float:
         gain
         + 0.5 * float(np.linalg.slogdet(cov)[1])
         + 0.5 * float(np.log(lay.precision[rest][normal]).sum())
-        + sum(_strength_prior(cause, cov, rest, step, lay) for cause in lay.blocks)
+        + sum(_log_strength_prior(cause, cov, rest, step, lay) for cause in lay.blocks)
     )
 
 
-def _strength_prior(cause: str, cov: Float, rest: np.ndarray, step: Float, lay: Layout) -> float:
-    """Log p(s) + k/2 log 2 pi of a cause's strengths at their best values; see `laplace_evidence`.
+def _log_strength_prior(
+    cause: str, cov: Float, rest: np.ndarray, step: Float, lay: CauseSetColumns
+) -> float:
+    """Log p(s) + k/2 log 2 pi of a cause's best strengths; see `laplace_log_evidence`.
 
     A strength that is held at 0 makes the cause absent: e^-50, for no set is named for it. One that
     is held at another bound counts by its prior density over its plausible magnitude.
@@ -130,14 +134,14 @@ def _log_cauchy(values: Float, sizes: Float) -> float:
     )
 
 
-def log_prior(problem: Problem, causes: Sequence[str]) -> float:
+def log_prior(problem: CauseSearchProblem, causes: Sequence[str]) -> float:
     """Log prior probability of a set, relative to that of no cause."""
     odds = [problem.by_name[c].prior / (1.0 - problem.by_name[c].prior) for c in causes]
     return float(np.log(odds).sum())
 
 
-def discrepancy_at_best(
-    problem: Problem, expansion: Expansion, lay: Layout
+def most_probable_discrepancy(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns
 ) -> dict[str, tuple[float, float]]:
     """Residual term -> its most probable strength as a discrepancy of the set's causes, and its
     prior standard deviation.

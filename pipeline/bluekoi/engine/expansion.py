@@ -13,9 +13,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import Free
+from ..fitting import FreeParameter
 from ..fitting.normal import (
-    Normal,
+    NormalEquationsByTrial,
     prior_terms,
 )
 from ..fitting.predictions import ParameterChange, difference_step
@@ -23,25 +23,25 @@ from ..fitting.side_measurements import side_measurement_terms
 from ..fitting.trial_effects import marginal_products_at_effects
 from ..integrate import System
 from .candidates import Candidate, has_single_sign, parameter_definition, strength_step
-from .forces import forces_in_set
-from .problem import Problem
-from .refit import FittedSet, start_values
+from .forces import rms_force_by_cause
+from .problem import CauseSearchProblem
+from .refit import FittedCauseSet, start_values
 
 TriedForms = dict[str, list[tuple[dict[str, float], tuple[int, ...]]]]
 """Candidate -> form (label -> value) and the columns of its strengths in it."""
 
 
 @dataclass(frozen=True)
-class Expansion:
+class LikelihoodExpansion:
     """hessian (t, p, p), gradient (t, p), log_likelihood (t,) about a fitted set.
 
     own: columns of the set's free numbers, in order. strengths: other candidate -> columns. forms:
     other candidate -> columns of strength times (another form less the leading one). starts: other
     candidate with forms to try -> the form (label -> value) that its columns have, the likeliest.
-    forces: those of the set's causes and of residual terms (`forces_in_set`).
+    forces: those of the set's causes and of residual terms (`rms_force_by_cause`).
     """
 
-    model: FittedSet
+    model: FittedCauseSet
     hessian: Float
     gradient: Float
     log_likelihood: Float
@@ -57,18 +57,22 @@ class Expansion:
         return bool(np.isfinite(self.hessian).all() and np.isfinite(self.gradient).all())
 
 
-def expand_about(
-    problem: Problem, model: FittedSet, candidates: Sequence[Candidate] | None = None
-) -> Expansion:
-    """`Expansion` about a fitted set, in its own numbers and those of `candidates` (all others),
-    each in its likeliest form.
+def expand_likelihood(
+    problem: CauseSearchProblem,
+    model: FittedCauseSet,
+    candidates: Sequence[Candidate] | None = None,
+) -> LikelihoodExpansion:
+    """`LikelihoodExpansion` about a fitted set, in its own numbers and those of `candidates` (all
+    others), each in its likeliest form.
     """
-    return likeliest_forms(problem, *expand_in_all_forms(problem, model, candidates))
+    return expansion_in_likeliest_forms(problem, *expand_in_all_forms(problem, model, candidates))
 
 
 def expand_in_all_forms(
-    problem: Problem, model: FittedSet, candidates: Sequence[Candidate] | None = None
-) -> tuple[Expansion, TriedForms]:
+    problem: CauseSearchProblem,
+    model: FittedCauseSet,
+    candidates: Sequence[Candidate] | None = None,
+) -> tuple[LikelihoodExpansion, TriedForms]:
     """Expansion about a fitted set with the columns of all forms that are tried of each candidate,
     and which those are.
     """
@@ -86,12 +90,12 @@ def expand_in_all_forms(
     strengths: dict[str, tuple[int, ...]] = {}
     forms: dict[str, tuple[int, ...]] = {}
     tried: TriedForms = {}
-    frees: list[Free] = list(model.fit.free)
+    frees: list[FreeParameter] = list(model.fit.free)
     for candidate in problem.candidates if candidates is None else candidates:
         if candidate.name in model.causes:
             continue
         for values in _forms_to_try(problem, candidate):
-            offsets = {system.slot[n]: v - parameter_definition(system, Free(n)).start
+            offsets = {system.slot[n]: v - parameter_definition(system, FreeParameter(n)).start
                        for n, v in values.items()}  # fmt: skip
             first = len(changes)
             for free in candidate.strengths:
@@ -111,15 +115,26 @@ def expand_in_all_forms(
             forms[candidate.name] = tuple(range(first, len(changes)))
     normal = _trial_products(problem, model, points, changes, frees)
     hessian, gradient = _form_differences(normal.hessian, normal.gradient, strengths, forms)
-    whole = Expansion(model, hessian, gradient, normal.log_likelihood, own_columns, strengths,
-                      forms, forces=forces_in_set(problem, model))  # fmt: skip
+    whole = LikelihoodExpansion(
+        model,
+        hessian,
+        gradient,
+        normal.log_likelihood,
+        own_columns,
+        strengths,
+        forms,
+        forces=rms_force_by_cause(problem, model),
+    )
     return whole, tried
 
 
 def _trial_products(
-    problem: Problem, model: FittedSet, points: Sequence[Float], changes: Sequence[ParameterChange],
-    frees: Sequence[Free],
-) -> Normal:  # fmt: skip
+    problem: CauseSearchProblem,
+    model: FittedCauseSet,
+    points: Sequence[Float],
+    changes: Sequence[ParameterChange],
+    frees: Sequence[FreeParameter],
+) -> NormalEquationsByTrial:
     """Information, gradient and log likelihood of each trial in the changes, what each trial keeps
     for itself integrated out; side measurements and priors of the set's own numbers included.
     """
@@ -136,10 +151,10 @@ def _trial_products(
     gradient[:, :p] += known.gradient
     likelihood = (model.passes.log_lik_const - 0.5 * products[:, 0, 0] + constant
                   + side + known.log_likelihood)  # fmt: skip
-    return Normal(hessian, gradient, likelihood)
+    return NormalEquationsByTrial(hessian, gradient, likelihood)
 
 
-def _forms_to_try(problem: Problem, candidate: Candidate) -> list[dict[str, float]]:
+def _forms_to_try(problem: CauseSearchProblem, candidate: Candidate) -> list[dict[str, float]]:
     """Forms (label -> value) from which a candidate may begin, the leading one first: the tries of
     a residual term, the named forms of a cause that its shape parameters can give. A cause whose
     strength is 0 only within a tolerance keeps its leading form, which the tolerance is stated for.
@@ -162,7 +177,9 @@ def _forms_to_try(problem: Problem, candidate: Candidate) -> list[dict[str, floa
     return [leading, *(form for form in further if form != leading)]
 
 
-def likeliest_forms(problem: Problem, whole: Expansion, tried: TriedForms) -> Expansion:
+def expansion_in_likeliest_forms(
+    problem: CauseSearchProblem, whole: LikelihoodExpansion, tried: TriedForms
+) -> LikelihoodExpansion:
     """The expansion with the columns of the likeliest form alone of what has several; a form that
     asks for an impossible sign of the strength is unlikely.
     """
@@ -189,7 +206,9 @@ def likeliest_forms(problem: Problem, whole: Expansion, tried: TriedForms) -> Ex
                    strengths=moved(strengths), forms=moved(whole.forms), starts=starts)  # fmt: skip
 
 
-def likely_strengths(problem: Problem, expansion: Expansion, cause: str) -> dict[str, float]:
+def likely_strengths(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, cause: str
+) -> dict[str, float]:
     """Label -> strength of a further cause by one Newton step of it and the set's own numbers,
     where that is possible: a fit that begins with the wrong sign loses the cause's form.
     """
@@ -226,7 +245,7 @@ def _newton_step(H: Float, g: Float, columns: list[int]) -> Float:
 
 
 def _strength_change(
-    system: System, free: Free, every: np.ndarray, offsets: Mapping[int, float]
+    system: System, free: FreeParameter, every: np.ndarray, offsets: Mapping[int, float]
 ) -> ParameterChange:
     """Difference of a strength at 0, at the leading form or, with `offsets`, at another one."""
     return ParameterChange(
@@ -234,7 +253,7 @@ def _strength_change(
     )
 
 
-def _form_offset(system: System, form: Free) -> float:
+def _form_offset(system: System, form: FreeParameter) -> float:
     """One prior standard deviation of a form, towards the farther bound and within it."""
     p = parameter_definition(system, form)
     size = min(p.spread, (p.upper - p.lower) / np.sqrt(12.0))

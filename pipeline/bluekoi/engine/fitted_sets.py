@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .expansion import Expansion, expand_about
+from .expansion import LikelihoodExpansion, expand_likelihood
 from .own_noise import fit_own_noise
-from .problem import Problem
-from .refit import FittedSet, fit_set, likeliest_start
-from .set_score import ScoredSet, score_set, with_discrepancy
+from .problem import CauseSearchProblem
+from .refit import FittedCauseSet, fit_set, likeliest_start
+from .set_score import ScoredCauseSet, refit_with_discrepancy, score_set
 
 MAX_LOG_ODDS_TO_REFIT = 20.0
 """Sets e^20 times less probable than the best after one round of noise and parameters are not
@@ -28,27 +28,27 @@ probability by a fiftieth of its Monte Carlo error (`posterior.BOOTSTRAP_SAMPLES
 
 
 @dataclass
-class FittedSets:
+class FittedCauseSets:
     """All sets fitted so far."""
 
-    problem: Problem
-    sets: dict[frozenset[str], ScoredSet] = field(default_factory=dict)
-    full: dict[frozenset[str], Expansion] = field(default_factory=dict)
+    problem: CauseSearchProblem
+    sets: dict[frozenset[str], ScoredCauseSet] = field(default_factory=dict)
+    full: dict[frozenset[str], LikelihoodExpansion] = field(default_factory=dict)
     converged: set[frozenset[str]] = field(default_factory=set)
 
     @property
-    def best(self) -> ScoredSet:
+    def best(self) -> ScoredCauseSet:
         """The most probable set."""
         return max(self.sets.values(), key=lambda s: s.log_posterior)
 
     def add(
         self,
         causes: Sequence[str],
-        near: FittedSet,
+        near: FittedCauseSet,
         start: dict[str, float] | None = None,
         *,
         refit: bool = False,
-    ) -> ScoredSet | None:
+    ) -> ScoredCauseSet | None:
         """Fit a set, begun at another's values and noise, under its own noise; None where it runs
         away. refit: also a set that has been fitted; its better fit is kept.
         """
@@ -73,14 +73,14 @@ class FittedSets:
         if not model.usable:
             return before
         found = score_set(self.problem, fit_own_noise(self.problem, model, most=1))
-        found = with_discrepancy(self.problem, found, most=1)
+        found = refit_with_discrepancy(self.problem, found, most=1)
         if before is None or found.log_joint > before.log_joint:
             self.sets[key] = found
             self.full.pop(key, None)
             self.converged.discard(key)
         return self.sets[key]
 
-    def shared_discrepancy(self, near: FittedSet, causes: frozenset[str]) -> dict[str, float]:
+    def shared_discrepancy(self, near: FittedCauseSet, causes: frozenset[str]) -> dict[str, float]:
         """What the formulas of another set's causes leave that these causes may leave as well."""
         by_name = self.problem.by_name
         covered = {f.label for term in self.problem.candidates if term.name not in causes
@@ -98,7 +98,7 @@ class FittedSets:
             model = fit_own_noise(self.problem, found.model)
             if model is not found.model:
                 found = score_set(self.problem, model)
-            found = with_discrepancy(self.problem, found)
+            found = refit_with_discrepancy(self.problem, found)
             if found is not self.sets[key]:
                 self.sets[key] = found
                 self.full.pop(key, None)
@@ -110,9 +110,9 @@ class FittedSets:
                      for other in self.converged)  # fmt: skip
         return MAX_LOG_ODDS_TO_REFIT_NESTED if nested else MAX_LOG_ODDS_TO_REFIT
 
-    def expansion(self, scored: ScoredSet) -> Expansion:
+    def expansion(self, scored: ScoredCauseSet) -> LikelihoodExpansion:
         """Expansion about a set in the numbers of all candidates."""
         key = scored.model.key
         if key not in self.full:
-            self.full[key] = expand_about(self.problem, scored.model)
+            self.full[key] = expand_likelihood(self.problem, scored.model)
         return self.full[key]

@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import Free, rms_forces
+from ..fitting import FreeParameter, rms_forces
 from ..integrate import System
 from .candidates import Candidate, strength_step
-from .problem import Problem
-from .refit import FittedSet, start_values
+from .problem import CauseSearchProblem
+from .refit import FittedCauseSet, start_values
 
 
-def forces_in_set(problem: Problem, model: FittedSet) -> dict[str, Float]:
+def rms_force_by_cause(problem: CauseSearchProblem, model: FittedCauseSet) -> dict[str, Float]:
     """Root mean square force (channels,) of each cause of a set, by name, and of a unit strength
-    of each residual term that may stem from their formulas (`Problem.covers`), by label.
+    of each residual term that may stem from their formulas (`CauseSearchProblem.covers`), by label.
     """
     system, causes = problem.kernel.system, [problem.by_name[c] for c in model.causes]
     terms = [f for term in problem.candidates if term.name not in model.causes
@@ -42,7 +42,7 @@ def _values_without_cause(system: System, values: Float, cause: Candidate) -> Fl
     return out
 
 
-def _values_with_strength(system: System, values: Float, free: Free, step: float) -> Float:
+def _values_with_strength(system: System, values: Float, free: FreeParameter, step: float) -> Float:
     out = values.copy()
     out[system.slot[free.name]] += step
     return out

@@ -10,14 +10,14 @@ from .calibration import calibrated_probability
 from .candidates import Candidate
 from .named_cause import CREDIBLE_SET_PROBABILITY, NamedCause
 from .posterior import Posterior
-from .refit import FittedSet
-from .set_score import ScoredSet
+from .refit import FittedCauseSet
+from .set_score import ScoredCauseSet
 from .significance import insignificant_causes, strength_estimates
 
 MIN_NAMED_PROBABILITY = 0.5
 """A cause is named where it is more probable than not (the median probability model: Barbieri and
 Berger, Ann. Statist. 32 (2004), 870)."""
-UNEXPLAINED = "unexplained"
+UNLISTED_FORCE_LABEL = "unexplained"
 ReportedModel = TypeVar("ReportedModel")
 
 
@@ -32,7 +32,7 @@ class ChosenCauses(Generic[ReportedModel]):
     named: list[NamedCause]
     insignificant: list[NamedCause]
     unexplained: float
-    best: ScoredSet
+    best: ScoredCauseSet
     model: ReportedModel
 
 
@@ -60,7 +60,7 @@ def named_causes(
             continue
         if found.inclusion[leader] > MIN_NAMED_PROBABILITY or taken > CREDIBLE_SET_PROBABILITY:
             others = {n: q for n, q in listed.items() if n != leader}
-            others |= {UNEXPLAINED: unlisted} if unlisted > 0.0 else {}
+            others |= {UNLISTED_FORCE_LABEL: unlisted} if unlisted > 0.0 else {}
             out.append(NamedCause(leader, found.inclusion[leader], others))
     names = {c.name for c in out}
     out += [NamedCause(n, q, {}) for n, q in found.inclusion.items()
@@ -82,11 +82,11 @@ def _alternatives_in_place(found: Posterior, name: str) -> dict[str, float]:
 
 def best_set(
     found: Posterior, named: Sequence[str], unexplained: bool, candidates: Mapping[str, Candidate]
-) -> ScoredSet:
+) -> ScoredCauseSet:
     """The most probable set with just these named causes, with a residual term where asked for."""
     residual = {n for n, c in candidates.items() if c.is_residual}
 
-    def fits(s: ScoredSet) -> bool:
+    def fits(s: ScoredCauseSet) -> bool:
         own = set(s.causes)
         return set(named) == own - residual and bool(own & residual) == unexplained
 
@@ -96,7 +96,7 @@ def best_set(
 
 def choose_causes(
     found: Posterior, candidates: Mapping[str, Candidate],
-    fit: Callable[[ScoredSet], tuple[ReportedModel, FittedSet]],
+    fit: Callable[[ScoredCauseSet], tuple[ReportedModel, FittedCauseSet]],
 ) -> ChosenCauses[ReportedModel]:  # fmt: skip
     """`ChosenCauses` of a posterior.
 
@@ -118,7 +118,7 @@ def choose_causes(
         named = [c for c in named if c not in insignificant]
 
 
-def log_evidence_gain(sets: Sequence[ScoredSet], best: ScoredSet, name: str) -> float:
+def log_evidence_gain(sets: Sequence[ScoredCauseSet], best: ScoredCauseSet, name: str) -> float:
     """Log evidence that a set loses without one of its causes, that one or with others in its
     place; infinite where no set lacks it.
     """

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..data import Float
-from ..fitting import Noise, filter_all, fit_noise
+from ..fitting import Noise, estimate_noise_model, filter_all
 from ..fitting.filtering import disturbance_slots
 from ..fitting.trial_effects import points_with_effects
-from .problem import MAX_SEARCH_TRIALS, Problem
-from .refit import FittedSet, fit_again, start_values, total_log_likelihood
+from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
+from .refit import FittedCauseSet, refit_from_fitted_values, start_values, total_log_likelihood
 
 SMALL_FORCE_SHARE, SMALL_FORCE_CORRELATION_TIME_S = 0.05, 0.5
 """Random forces under which further causes are proposed and first fitted, as a share of a set's,
@@ -24,8 +24,12 @@ MIN_ROUND_GAIN_LOG_LIK = 0.3
 
 
 def fit_own_noise(
-    problem: Problem, model: FittedSet, *, most: int = MAX_NOISE_ROUNDS, steps: int = NOISE_STEPS
-) -> FittedSet:
+    problem: CauseSearchProblem,
+    model: FittedCauseSet,
+    *,
+    most: int = MAX_NOISE_ROUNDS,
+    steps: int = NOISE_STEPS,
+) -> FittedCauseSet:
     """A set under its own noise, estimated in turn with its numbers until neither improves.
 
     Each estimate begins at the noise of the round before: parameters varied one by one first may
@@ -40,15 +44,15 @@ def fit_own_noise(
     return best
 
 
-def without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
+def refit_without_discrepancy(problem: CauseSearchProblem, model: FittedCauseSet) -> FittedCauseSet:
     """A set fitted to a problem's trials with the formulas of its causes alone, under its own
     noise.
     """
-    plain = fit_again(problem, model, model.noise, discrepancy={}, deviations={})
+    plain = refit_from_fitted_values(problem, model, model.noise, discrepancy={}, deviations={})
     return fit_own_noise(problem, plain, most=2)
 
 
-def is_likelier_under(problem: Problem, model: FittedSet, noise: Noise) -> bool:
+def is_likelier_under(problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise) -> bool:
     """Whether the trials are likelier at a set's numbers under another noise than under its own."""
     points = _most_probable_points(problem, model)
     own, other = (total_log_likelihood(filter_all(problem.kernel, problem.series, points, n))
@@ -56,20 +60,22 @@ def is_likelier_under(problem: Problem, model: FittedSet, noise: Noise) -> bool:
     return other > own
 
 
-def _noise_and_fit_round(problem: Problem, model: FittedSet, steps: int) -> FittedSet:
+def _noise_and_fit_round(
+    problem: CauseSearchProblem, model: FittedCauseSet, steps: int
+) -> FittedCauseSet:
     """Noise estimated at a set's numbers, and the numbers fitted under it; the set as it was where
     that is not likelier.
     """
     if not model.usable:
         return model
     points = _most_probable_points(problem, model)
-    found = fit_noise(problem.kernel, problem.series, points, model.noise, rounds=steps,
-                      line_searches=False, max_trials=MAX_SEARCH_TRIALS)  # fmt: skip
-    again = fit_again(problem, model, found.noise)
+    found = estimate_noise_model(problem.kernel, problem.series, points, model.noise, rounds=steps,
+                                 line_searches=False, max_trials=MAX_SEARCH_TRIALS)  # fmt: skip
+    again = refit_from_fitted_values(problem, model, found.noise)
     return max(model, again, key=lambda m: m.log_joint)
 
 
-def _most_probable_points(problem: Problem, model: FittedSet) -> list[Float]:
+def _most_probable_points(problem: CauseSearchProblem, model: FittedCauseSet) -> list[Float]:
     """Full parameter vectors of the trials at a set's numbers, with the most probable errors of the
     commands in each trial: an error that lasts is not to be counted as a random force as well.
     """
@@ -82,7 +88,7 @@ def _most_probable_points(problem: Problem, model: FittedSet) -> list[Float]:
 
 
 def small_force_noise(
-    problem: Problem, noise: Noise, *, share: float = SMALL_FORCE_SHARE,
+    problem: CauseSearchProblem, noise: Noise, *, share: float = SMALL_FORCE_SHARE,
     time_s: float = SMALL_FORCE_CORRELATION_TIME_S,
 ) -> Noise:  # fmt: skip
     """The noise with random forces of a share of the problem's, and their correlation time."""

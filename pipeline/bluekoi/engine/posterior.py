@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from .problem import Problem
-from .set_score import ScoredSet
+from .problem import CauseSearchProblem
+from .set_score import ScoredCauseSet
 
 BOOTSTRAP_SAMPLES = 1000
 """Bootstrap samples: the Monte Carlo standard error of a probability is at most (1/4 / 1000)^1/2 =
@@ -39,19 +39,19 @@ trials shift log odds by some tens.
 class Posterior:
     """Probabilities (sets,) of the sets, averaged over samples of trials, and of each candidate."""
 
-    sets: tuple[ScoredSet, ...]
+    sets: tuple[ScoredCauseSet, ...]
     probability: Float
     inclusion: dict[str, float]
 
     @property
-    def best(self) -> ScoredSet:
+    def best(self) -> ScoredCauseSet:
         """The most probable set."""
         return self.sets[int(np.argmax(self.probability))]
 
 
-def posterior(
-    problem: Problem,
-    sets: Sequence[ScoredSet],
+def posterior_over_sets(
+    problem: CauseSearchProblem,
+    sets: Sequence[ScoredCauseSet],
     draws: int = BOOTSTRAP_SAMPLES,
     max_log_odds: float = MAX_LOG_ODDS_KEPT,
 ) -> Posterior:

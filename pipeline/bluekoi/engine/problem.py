@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..data import Float
-from ..fitting import FilterResults, Free, Noise, Series, trial_values
+from ..fitting import FilterResults, FreeParameter, Noise, TrialSeries, trial_parameter_vector
 from ..integrate import CompiledSystem
 from .candidates import Candidate
 
@@ -16,7 +16,7 @@ MAX_SEARCH_TRIALS = 24
 noise too is estimated on at most so many. As many as the studies have on which the finder is
 validated (FINDER, protocol); `benchmarks/search_subset.py` compares with a search on all trials."""
 
-Progress = Callable[[str], None]
+ProgressCallback = Callable[[str], None]
 BaselineCheck = Callable[[Noise, FilterResults], None]
 
 
@@ -29,7 +29,7 @@ def accept_any_baseline(_: Noise, __: FilterResults) -> None:
 
 
 @dataclass(frozen=True)
-class Problem:
+class CauseSearchProblem:
     """Trials to fit and candidates to judge.
 
     base (parameters,): values of what is not fitted. coefficients: the model's own numbers. noise:
@@ -44,15 +44,15 @@ class Problem:
     """
 
     kernel: CompiledSystem
-    series: Sequence[Series]
+    series: Sequence[TrialSeries]
     base: Float
-    coefficients: tuple[Free, ...]
+    coefficients: tuple[FreeParameter, ...]
     candidates: tuple[Candidate, ...]
     noise: Noise
     tolerances: Mapping[str, float] = field(default_factory=dict)
     residual_sizes: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     state_variables: frozenset[str] = frozenset()
-    progress: Progress = field(default=no_progress)
+    progress: ProgressCallback = field(default=no_progress)
     most_causes: int = 4
     collinear_terms: frozenset[str] = frozenset()
     check_baseline: BaselineCheck = accept_any_baseline
@@ -73,6 +73,9 @@ class Problem:
         own = {c for c, v in cause.sources if v in self.state_variables}
         return any(c in own and v in self.state_variables for c, v in term.sources)
 
-    def points(self, free: Sequence[Free], values: Float) -> list[Float]:
+    def points(self, free: Sequence[FreeParameter], values: Float) -> list[Float]:
         """Full parameter vectors, one a trial."""
-        return [trial_values(self.kernel, self.base, free, values, s.group) for s in self.series]
+        return [
+            trial_parameter_vector(self.kernel, self.base, free, values, s.group)
+            for s in self.series
+        ]

@@ -10,16 +10,16 @@ import numpy as np
 from ..data import Float
 from ..fitting import (
     FilterResults,
-    Fit,
-    Free,
+    FreeParameter,
     Noise,
+    ParameterFit,
     filter_all,
-    fit,
-    log_likelihoods,
-    normal_equations,
+    fit_parameters_jointly,
+    log_likelihood_by_trial,
+    trial_normal_equations,
 )
 from .candidates import Candidate, parameter_definition
-from .problem import Problem
+from .problem import CauseSearchProblem
 
 STEP_TOLERANCE_STDS = 0.2
 """A fit ends with a step of this many standard deviations in the mean square. The step is taken; by
@@ -27,7 +27,7 @@ the quadratic model it gains at most 0.02 of log likelihood for each number."""
 
 
 @dataclass(frozen=True)
-class FittedSet:
+class FittedCauseSet:
     """A set of causes, fitted: names, fit, noise, the filter's pass at the fit, which numbers stand
     at a bound (p,).
 
@@ -36,7 +36,7 @@ class FittedSet:
     """
 
     causes: tuple[str, ...]
-    fit: Fit
+    fit: ParameterFit
     noise: Noise
     passes: FilterResults
     at_bound: np.ndarray
@@ -59,7 +59,7 @@ class FittedSet:
         prior = sum((self.discrepancy.get(k, 0.0) / std) ** 2 for k, std in self.deviations.items())
         return self.log_likelihood - 0.5 * prior
 
-    def effects(self, problem: Problem) -> Float | None:
+    def effects(self, problem: CauseSearchProblem) -> Float | None:
         """Most probable trial effects (t, q) at the fit, where it is to the trials of a problem."""
         same = [t.name for t in self.passes.series] == [t.name for t in problem.series]
         return self.fit.normal.effects.values if same else None
@@ -70,10 +70,12 @@ class FittedSet:
         return frozenset(self.causes)
 
 
-def free_parameters(problem: Problem, causes: Sequence[str]) -> tuple[Free, ...]:
+def free_parameters(
+    problem: CauseSearchProblem, causes: Sequence[str]
+) -> tuple[FreeParameter, ...]:
     """The numbers of a set: coefficients, then each cause's strengths and forms."""
     have = {name for s in problem.series for name in s.evidence}
-    out: list[Free] = list(problem.coefficients)
+    out: list[FreeParameter] = list(problem.coefficients)
     for cause in causes:
         candidate = problem.by_name[cause]
         effect = problem.kernel.system.effect(cause.partition(".")[0])
@@ -83,7 +85,7 @@ def free_parameters(problem: Problem, causes: Sequence[str]) -> tuple[Free, ...]
 
 
 def start_values(
-    problem: Problem,
+    problem: CauseSearchProblem,
     causes: Sequence[str],
     known: Mapping[str, float],
     discrepancy: Mapping[str, float] | None = None,
@@ -102,18 +104,18 @@ def start_values(
 
 
 def fit_set(
-    problem: Problem,
+    problem: CauseSearchProblem,
     causes: Sequence[str],
     noise: Noise,
     known: Mapping[str, float],
     *,
     passes: int = 4,
     iterations: int = 12,
-    free: Sequence[Free] | None = None,
+    free: Sequence[FreeParameter] | None = None,
     discrepancy: Mapping[str, float] | None = None,
     deviations: Mapping[str, float] | None = None,
     effects: Float | None = None,
-) -> FittedSet:
+) -> FittedCauseSet:
     """A set fitted under one noise; after the first fit the filter's gains are held, `passes` fits
     in all or until the numbers rest.
 
@@ -123,7 +125,7 @@ def fit_set(
     own = free_parameters(problem, causes) if free is None else tuple(free)
     slot = problem.kernel.system.slot
     left = dict.fromkeys(deviations or {}, 0.0) | dict(discrepancy or {})
-    frees = (*own, *map(Free, deviations or {}))
+    frees = (*own, *map(FreeParameter, deviations or {}))
     point = start_values(problem, causes, known, left)
     start = {f.label: left.get(f.label, known.get(f.label, float(point[slot[f.name]])))
              for f in frees}  # fmt: skip
@@ -132,10 +134,22 @@ def fit_set(
         points = replace(problem, base=point).points(frees, values)
         return filter_all(problem.kernel, problem.series, points, noise)
 
-    def fitted(gains: FilterResults | None, begin: Mapping[str, float], near: Float | None) -> Fit:
-        return fit(problem.kernel, problem.series, point, frees, noise, start=begin,
-                   iterations=iterations, tolerance=STEP_TOLERANCE_STDS, predictor=gains,
-                   spreads=deviations, effects=near)  # fmt: skip
+    def fitted(
+        gains: FilterResults | None, begin: Mapping[str, float], near: Float | None
+    ) -> ParameterFit:
+        return fit_parameters_jointly(
+            problem.kernel,
+            problem.series,
+            point,
+            frees,
+            noise,
+            start=begin,
+            iterations=iterations,
+            tolerance=STEP_TOLERANCE_STDS,
+            predictor=gains,
+            spreads=deviations,
+            effects=near,
+        )
 
     first, predictor = start, filtered(np.array([start[f.label] for f in frees]))
     for _ in range(passes):
@@ -150,23 +164,32 @@ def fit_set(
     values = found.values[: len(own)]
     left |= {label: found.by_label()[label] for label in deviations or {}}
     point = start_values(problem, causes, known, left)
-    normal = normal_equations(problem.kernel, problem.series, point, own, values, noise=noise,
-                              predictor=predictor,
-                              effects=found.normal.effects.values)  # fmt: skip
+    normal = trial_normal_equations(problem.kernel, problem.series, point, own, values, noise=noise,
+                                    predictor=predictor,
+                                    effects=found.normal.effects.values)  # fmt: skip
     rows = [parameter_definition(problem.kernel.system, f) for f in own]
     bound = [not p.lower < v < p.upper for p, v in zip(rows, values, strict=True)]
-    return FittedSet(tuple(causes), replace(found, free=own, values=values, normal=normal), noise,
-                     predictor, np.array(bound, dtype=bool), left, deviations or {})  # fmt: skip
+    return FittedCauseSet(
+        tuple(causes),
+        replace(found, free=own, values=values, normal=normal),
+        noise,
+        predictor,
+        np.array(bound, dtype=bool),
+        left,
+        deviations or {},
+    )
 
 
-def strength_starts(problem: Problem, candidate: Candidate) -> tuple[float, ...]:
+def strength_starts(problem: CauseSearchProblem, candidate: Candidate) -> tuple[float, ...]:
     """Strengths from which fits of a candidate begin, where one start may mislead; else none."""
     if candidate.is_residual:
         return ()
     return problem.kernel.system.effect(candidate.name).starts
 
 
-def likeliest_start(problem: Problem, near: FittedSet, cause: str) -> dict[str, float]:
+def likeliest_start(
+    problem: CauseSearchProblem, near: FittedCauseSet, cause: str
+) -> dict[str, float]:
     """Label -> the start of a cause's first strength at which the trials are likeliest, all else as
     fitted; empty where one start serves.
     """
@@ -181,24 +204,26 @@ def likeliest_start(problem: Problem, near: FittedSet, cause: str) -> dict[str, 
         point = base.copy()
         point[slot] = start
         points = replace(problem, base=point).points(near.fit.free, near.fit.values)
-        found = log_likelihoods(problem.kernel, points, noise=near.noise, predictor=near.passes)
+        found = log_likelihood_by_trial(
+            problem.kernel, points, noise=near.noise, predictor=near.passes
+        )
         return float(np.nan_to_num(found, nan=-np.inf).sum())
 
     return {label: max(starts, key=likelihood)}
 
 
-def _squared_distance_to_start(found: Fit, start: Mapping[str, float]) -> float:
+def _squared_distance_to_start(found: ParameterFit, start: Mapping[str, float]) -> float:
     change = found.values - np.array([start.get(f.label, np.inf) for f in found.free])
     if not np.isfinite(change).all() or not found.normal.usable:
         return np.inf
     return float(change @ found.normal.hessian.sum(axis=0) @ change / max(len(change), 1))
 
 
-def fit_again(
-    problem: Problem, model: FittedSet, noise: Noise, *,
+def refit_from_fitted_values(
+    problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise, *,
     discrepancy: Mapping[str, float] | None = None,
     deviations: Mapping[str, float] | None = None,
-) -> FittedSet:  # fmt: skip
+) -> FittedCauseSet:  # fmt: skip
     """A set fitted from where it is, with its own discrepancy and deviations or others."""
     return fit_set(problem, model.causes, noise, model.fit.by_label(), free=model.fit.free,
                    effects=model.effects(problem),
@@ -206,7 +231,7 @@ def fit_again(
                    deviations=model.deviations if deviations is None else deviations)  # fmt: skip
 
 
-def off_bounds_mask(model: FittedSet) -> np.ndarray:
+def off_bounds_mask(model: FittedCauseSet) -> np.ndarray:
     """Which fitted numbers are off their bounds, (p,)."""
     return ~model.at_bound
 

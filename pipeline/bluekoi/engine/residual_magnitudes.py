@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from .expansion import Expansion
-from .problem import Problem
+from .expansion import LikelihoodExpansion
+from .problem import CauseSearchProblem
 from .set_columns import plausible_strengths
 
 
 def plausible_residual_magnitudes(
-    problem: Problem, expansion: Expansion
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion
 ) -> dict[str, tuple[float, ...]]:
     """Plausible magnitudes of each residual term: as visible as the median named cause at its own.
 

@@ -17,22 +17,22 @@ import numpy as np
 
 from .candidates import Candidate
 from .collinear_terms import collinear_terms
-from .evidence import evidence_with_shares, log_prior, most_probable_shares
+from .evidence import log_evidence_with_shares, log_prior, most_probable_shares
 from .expansion import (
-    Expansion,
-    expand_about,
+    LikelihoodExpansion,
     expand_in_all_forms,
-    likeliest_forms,
+    expand_likelihood,
+    expansion_in_likeliest_forms,
     likely_strengths,
 )
-from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FittedSets
+from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FittedCauseSets
 from .own_noise import fit_own_noise, is_likelier_under, small_force_noise
-from .problem import MAX_SEARCH_TRIALS, Problem
-from .refit import FittedSet, fit_again, fit_set, strength_starts
+from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
+from .refit import FittedCauseSet, fit_set, refit_from_fitted_values, strength_starts
 from .residual_magnitudes import plausible_residual_magnitudes
-from .set_columns import layout_of_set
-from .set_score import ScoredSet, score_set
-from .subset import designed_subset
+from .set_columns import columns_of_cause_set
+from .set_score import ScoredCauseSet, score_set
+from .subset import d_optimal_trial_subset
 
 REFITS_PER_SET = 5
 """How many further causes are refitted around a set."""
@@ -55,27 +55,27 @@ those that lack one of its causes. It bounds the work; sets left out have no pro
 
 
 def ranked_proposals(
-    problem: Problem, expansion: Expansion, among: Sequence[Candidate]
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, among: Sequence[Candidate]
 ) -> list[tuple[float, str]]:
     """Further causes by the expansion about a set: log posterior odds and name, the best first."""
     causes = expansion.model.causes
     if not expansion.usable:
         return []
-    own = layout_of_set(problem, expansion, causes)
+    own = columns_of_cause_set(problem, expansion, causes)
     shares = most_probable_shares(expansion, own)
-    before = evidence_with_shares(expansion, own, shares)
+    before = log_evidence_with_shares(expansion, own, shares)
     out: list[tuple[float, str]] = []
     for candidate in among:
         if candidate.name in causes or not expansion.strengths[candidate.name]:
             continue
-        lay = layout_of_set(problem, expansion, (*causes, candidate.name))
-        after = evidence_with_shares(expansion, lay, shares)
+        lay = columns_of_cause_set(problem, expansion, (*causes, candidate.name))
+        after = log_evidence_with_shares(expansion, lay, shares)
         gain = after - before + log_prior(problem, [candidate.name])
         out.append((float(gain) if np.isfinite(gain) else -np.inf, candidate.name))
     return sorted(out, key=lambda o: -o[0])
 
 
-def allowed_candidates(problem: Problem, causes: Sequence[str]) -> list[Candidate]:
+def allowed_candidates(problem: CauseSearchProblem, causes: Sequence[str]) -> list[Candidate]:
     """Candidates beside a set: residual terms that are part of a cause's form are not, nor those
     that are collinear with a listed cause.
     """
@@ -86,7 +86,9 @@ def allowed_candidates(problem: Problem, causes: Sequence[str]) -> list[Candidat
             and not (c.is_residual and c.sources & sources)]  # fmt: skip
 
 
-def search_sets(problem: Problem, start: dict[str, float] | None = None) -> FittedSets:
+def search_sets(
+    problem: CauseSearchProblem, start: dict[str, float] | None = None
+) -> FittedCauseSets:
     """All sets that a search fitted.
 
     Of more than `MAX_SEARCH_TRIALS` trials a subset is searched, and the probable sets are fitted
@@ -95,16 +97,16 @@ def search_sets(problem: Problem, start: dict[str, float] | None = None) -> Fitt
     if len(problem.series) <= MAX_SEARCH_TRIALS:
         return _search_on_trials(problem, start or {})
     plain = fit_set(problem, (), problem.noise, start or {})
-    part = designed_subset(expand_about(problem, plain).hessian, MAX_SEARCH_TRIALS)
+    part = d_optimal_trial_subset(expand_likelihood(problem, plain).hessian, MAX_SEARCH_TRIALS)
     few = replace(problem, series=tuple(problem.series[i] for i in part))
     return _verify_on_all_trials(problem, _search_on_trials(few, plain.fit.by_label()))
 
 
-def _verify_on_all_trials(problem: Problem, few: FittedSets) -> FittedSets:
+def _verify_on_all_trials(problem: CauseSearchProblem, few: FittedCauseSets) -> FittedCauseSets:
     """The probable sets of a subset of the trials and the model without causes, fitted to all of
     them with what these add.
     """
-    visited = FittedSets(replace(few.problem, series=problem.series))
+    visited = FittedCauseSets(replace(few.problem, series=problem.series))
     for scored in (few.sets[frozenset()], *_sets_to_verify(few)):
         visited.add(scored.causes, scored.model)
     visited.converge()
@@ -119,7 +121,7 @@ def _verify_on_all_trials(problem: Problem, few: FittedSets) -> FittedSets:
     return visited
 
 
-def _sets_to_verify(few: FittedSets) -> list[ScoredSet]:
+def _sets_to_verify(few: FittedCauseSets) -> list[ScoredCauseSet]:
     """The most probable set, those that lack one of its causes, and the next probable ones."""
     best = few.best
     lacking = [few.sets[k] for c in best.causes if (k := best.model.key - {c}) in few.sets]
@@ -129,7 +131,7 @@ def _sets_to_verify(few: FittedSets) -> list[ScoredSet]:
     return [best, *(s for s in lacking if np.isfinite(s.log_posterior)), *others]
 
 
-def _search_on_trials(problem: Problem, start: dict[str, float]) -> FittedSets:
+def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> FittedCauseSets:
     """All sets that were worth a fit.
 
     Raises: LinAlgError where the model without causes has no finite fit.
@@ -139,10 +141,10 @@ def _search_on_trials(problem: Problem, start: dict[str, float]) -> FittedSets:
     whole, tried = expand_in_all_forms(problem, first)
     if not whole.usable:
         raise np.linalg.LinAlgError("the model without causes runs away")
-    expansion = likeliest_forms(problem, whole, tried)
+    expansion = expansion_in_likeliest_forms(problem, whole, tried)
     problem = replace(problem, collinear_terms=collinear_terms(problem, whole, tried),
                       residual_sizes=plausible_residual_magnitudes(problem, expansion))  # fmt: skip
-    visited = FittedSets(problem)
+    visited = FittedCauseSets(problem)
     visited.sets[frozenset()] = score_set(problem, first)
     visited.full[frozenset()] = expansion
     before = -np.inf
@@ -164,7 +166,7 @@ def _search_on_trials(problem: Problem, start: dict[str, float]) -> FittedSets:
     return visited
 
 
-def _refit_with_shared_noise(visited: FittedSets) -> None:
+def _refit_with_shared_noise(visited: FittedCauseSets) -> None:
     """Refit the probable sets from the noise of the most probable and of the likeliest one.
 
     The noise likelihood has several optima: two sets are compared fairly only if both had the
@@ -180,11 +182,15 @@ def _refit_with_shared_noise(visited: FittedSets) -> None:
                 _keep_better_noise(visited, scored, source.model)
 
 
-def _keep_better_noise(visited: FittedSets, scored: ScoredSet, source: FittedSet) -> None:
+def _keep_better_noise(
+    visited: FittedCauseSets, scored: ScoredCauseSet, source: FittedCauseSet
+) -> None:
     """Keep the refit of a set from another's noise where that fits better."""
     problem, model = visited.problem, scored.model
     left = visited.shared_discrepancy(source, model.key)
-    again = fit_again(problem, model, source.noise, discrepancy=left or model.discrepancy)
+    again = refit_from_fitted_values(
+        problem, model, source.noise, discrepancy=left or model.discrepancy
+    )
     if again.log_joint <= model.log_joint:
         return
     other = score_set(problem, fit_own_noise(problem, again))
@@ -193,7 +199,7 @@ def _keep_better_noise(visited: FittedSets, scored: ScoredSet, source: FittedSet
         visited.full.pop(scored.model.key, None)
 
 
-def _fit_further_causes(visited: FittedSets, scored: ScoredSet, count: int) -> None:
+def _fit_further_causes(visited: FittedCauseSets, scored: ScoredCauseSet, count: int) -> None:
     """Fit the most promising further causes beside a set."""
     expansion = visited.expansion(scored)
     found = ranked_proposals(
@@ -214,15 +220,17 @@ def _fit_further_causes(visited: FittedSets, scored: ScoredSet, count: int) -> N
             )
 
 
-def _fit_further_under_small_forces(visited: FittedSets, scored: ScoredSet) -> None:
+def _fit_further_under_small_forces(visited: FittedCauseSets, scored: ScoredCauseSet) -> None:
     """Fit the most promising further causes by the expansion under small random forces, and begin
     there: what the random forces of a set explain by themselves shows no gain under its own noise.
     """
     problem = visited.problem
-    model = fit_again(problem, scored.model, small_force_noise(problem, scored.model.noise))
+    model = refit_from_fitted_values(
+        problem, scored.model, small_force_noise(problem, scored.model.noise)
+    )
     if not model.usable:
         return
-    expansion = expand_about(problem, model)
+    expansion = expand_likelihood(problem, model)
     found = ranked_proposals(problem, expansion, allowed_candidates(problem, scored.causes))
     for _, name in found[:SMALL_FORCE_REFITS_PER_SET]:
         visited.add(
@@ -234,7 +242,7 @@ def _fit_further_under_small_forces(visited: FittedSets, scored: ScoredSet) -> N
 
 
 def _start_of_further_cause(
-    visited: FittedSets, expansion: Expansion, name: str
+    visited: FittedCauseSets, expansion: LikelihoodExpansion, name: str
 ) -> dict[str, float]:
     """Where the fit of a further cause begins: at the strength and the form of the expansion."""
     return likely_strengths(visited.problem, expansion, name) | expansion.starts.get(name, {})

@@ -1,8 +1,8 @@
 """Columns of an expansion that make up a set of causes, with the priors of their numbers.
 
 The discrepancy of a set consists of residual terms in the channels of its causes
-(`Problem.covers`). In each channel it is as strong as one of `DISCREPANCY_SHARES` of the cause's
-force (Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), 425).
+(`CauseSearchProblem.covers`). In each channel it is as strong as one of `DISCREPANCY_SHARES` of the
+cause's force (Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), 425).
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from itertools import product
 import numpy as np
 
 from ..data import Float
-from ..fitting import Free
+from ..fitting import FreeParameter
 from .candidates import Candidate, form_precision, has_single_sign, parameter_definition
-from .expansion import Expansion
-from .problem import Problem
+from .expansion import LikelihoodExpansion
+from .problem import CauseSearchProblem
 
 DISCREPANCY_SHARES = (0.02, 0.06, 0.2)
 """Prior standard deviation of a cause's discrepancy relative to its force in each channel: values
@@ -30,7 +30,7 @@ MIN_INFORMATION = 1e-12
 
 
 @dataclass(frozen=True)
-class Layout:
+class CauseSetColumns:
     """Columns (p,) of an expansion that make up a set, coefficients first, and their priors.
 
     count: of coefficients. blocks: cause -> positions of its strengths among the columns.
@@ -67,8 +67,10 @@ class _Column:
     included: bool = False
 
 
-def layout_of_set(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> Layout:
-    """`Layout` of a set of causes in an expansion about any set."""
+def columns_of_cause_set(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, causes: Sequence[str]
+) -> CauseSetColumns:
+    """`CauseSetColumns` of a set of causes in an expansion about any set."""
     values, count = expansion.model.fit.values, len(problem.coefficients)
     columns = [_Column(i, 0.0, gaussian=False, at=float(values[i])) for i in range(count)]
     blocks: dict[str, np.ndarray] = {}
@@ -83,7 +85,7 @@ def layout_of_set(problem: Problem, expansion: Expansion, causes: Sequence[str])
     columns += _discrepancy_columns(problem, expansion, relative)
     columns += _tolerance_columns(problem, expansion, causes)
     system = problem.kernel.system
-    return Layout(
+    return CauseSetColumns(
         columns=np.array([c.index for c in columns]),
         count=count,
         blocks=blocks,
@@ -99,14 +101,14 @@ def layout_of_set(problem: Problem, expansion: Expansion, causes: Sequence[str])
     )  # fmt: skip
 
 
-def combinations_of_shares(lay: Layout) -> list[dict[str, float]]:
+def combinations_of_shares(lay: CauseSetColumns) -> list[dict[str, float]]:
     """Cause -> share, for every combination of `DISCREPANCY_SHARES` of the causes."""
     causes = list(lay.discrepancy)
     return [dict(zip(causes, shares, strict=True))
             for shares in product(DISCREPANCY_SHARES, repeat=len(causes))]  # fmt: skip
 
 
-def with_shares(lay: Layout, shares: Mapping[str, float]) -> Layout:
+def with_shares(lay: CauseSetColumns, shares: Mapping[str, float]) -> CauseSetColumns:
     """The columns with other shares of the discrepancies of the causes."""
     if not lay.discrepancy:
         return lay
@@ -118,7 +120,7 @@ def with_shares(lay: Layout, shares: Mapping[str, float]) -> Layout:
 
 
 def _fitted_columns(
-    problem: Problem, expansion: Expansion, candidate: Candidate
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, candidate: Candidate
 ) -> tuple[list[_Column], list[_Column]]:
     """Strengths and forms of a cause that is in the expanded set.
 
@@ -139,7 +141,7 @@ def _fitted_columns(
 
 
 def _further_columns(
-    problem: Problem, expansion: Expansion, candidate: Candidate
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, candidate: Candidate
 ) -> tuple[list[_Column], list[_Column]]:
     """Strengths of a cause that is not in the expanded set, and the differences of its forms, which
     are as large as the strength.
@@ -155,7 +157,9 @@ def _further_columns(
     return strengths, [_Column(i, size**-2.0, gaussian=True) for i in forms]
 
 
-def _expected_strength(problem: Problem, expansion: Expansion, candidate: Candidate) -> float:
+def _expected_strength(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, candidate: Candidate
+) -> float:
     """Size of the strength of a cause that is not in the expanded set: one Newton step, within once
     and ten times its plausible magnitude. A law of another form than the leading one may have no
     strength at the leading one; its forms must not be scaled to nothing with it.
@@ -168,8 +172,8 @@ def _expected_strength(problem: Problem, expansion: Expansion, candidate: Candid
     return float(np.clip(abs(step), size, 10.0 * size))
 
 
-def plausible_strengths(problem: Problem, cause: str) -> Float:
-    """Plausible magnitudes (strengths,) of a cause; of residual terms as `Problem` states them."""
+def plausible_strengths(problem: CauseSearchProblem, cause: str) -> Float:
+    """Plausible magnitudes (strengths,) of a cause; those of residual terms are the problem's."""
     system, candidate = problem.kernel.system, problem.by_name[cause]
     if cause in problem.residual_sizes:
         return np.array(problem.residual_sizes[cause])
@@ -177,7 +181,7 @@ def plausible_strengths(problem: Problem, cause: str) -> Float:
 
 
 def _relative_deviations(
-    problem: Problem, expansion: Expansion, causes: Sequence[str]
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, causes: Sequence[str]
 ) -> dict[str, dict[int, float]]:
     """Cause -> column of a residual term that may stem from its formula -> strength at which the
     term is as strong as the cause.
@@ -198,7 +202,9 @@ def _relative_deviations(
 
 
 def _discrepancy_columns(
-    problem: Problem, expansion: Expansion, relative: Mapping[str, Mapping[int, float]]
+    problem: CauseSearchProblem,
+    expansion: LikelihoodExpansion,
+    relative: Mapping[str, Mapping[int, float]],
 ) -> list[_Column]:
     """Residual terms that may stem from the formula of one of the causes: their prior deviation
     makes their force `MAX_DISCREPANCY_SHARE` times that of the cause in the same channel.
@@ -216,7 +222,9 @@ def _discrepancy_columns(
             for i, size in largest.items()]  # fmt: skip
 
 
-def _relative_size(expansion: Expansion, cause: Candidate, term: Free, column: int) -> float:
+def _relative_size(
+    expansion: LikelihoodExpansion, cause: Candidate, term: FreeParameter, column: int
+) -> float:
     """Strength at which a residual term has the force of a cause in the term's channel; of a cause
     without force (an error of the camera), at which it is as visible as the cause.
     """
@@ -233,7 +241,7 @@ def _relative_size(expansion: Expansion, cause: Candidate, term: Free, column: i
 
 
 def _tolerance_columns(
-    problem: Problem, expansion: Expansion, causes: Sequence[str]
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, causes: Sequence[str]
 ) -> list[_Column]:
     """Strengths that are 0 only within the tolerance of careful work, of causes not in the set."""
     return [
@@ -245,7 +253,7 @@ def _tolerance_columns(
     ]
 
 
-def _is_held(problem: Problem, expansion: Expansion, column: int) -> bool:
+def _is_held(problem: CauseSearchProblem, expansion: LikelihoodExpansion, column: int) -> bool:
     """Whether a fitted number stands at a bound that the gradient pushes against."""
     free = expansion.model.fit.free
     if column >= len(free):

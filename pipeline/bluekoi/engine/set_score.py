@@ -9,24 +9,24 @@ import numpy as np
 
 from ..fitting import cov_hc2
 from .candidates import parameter_definition
-from .evidence import discrepancy_at_best, log_evidence, log_prior
-from .expansion import Expansion, expand_about
+from .evidence import log_evidence, log_prior, most_probable_discrepancy
+from .expansion import LikelihoodExpansion, expand_likelihood
 from .own_noise import MAX_NOISE_ROUNDS, fit_own_noise
-from .problem import Problem
-from .refit import FittedSet, fit_again
-from .set_columns import Layout, layout_of_set
+from .problem import CauseSearchProblem
+from .refit import FittedCauseSet, refit_from_fitted_values
+from .set_columns import CauseSetColumns, columns_of_cause_set
 
 MAX_LOG_STD_CHANGE = 0.3
 """Relative change of the discrepancy's prior deviations for which a set is not fitted again."""
 
 
 @dataclass(frozen=True)
-class ScoredSet:
+class ScoredCauseSet:
     """A fitted set with its expansion in its own numbers and discrepancy, and log posterior."""
 
-    model: FittedSet
-    expansion: Expansion
-    layout: Layout
+    model: FittedCauseSet
+    expansion: LikelihoodExpansion
+    layout: CauseSetColumns
     log_posterior: float
 
     @property
@@ -58,9 +58,9 @@ class ScoredSet:
         return float(np.trace(H @ C) / move.sum())
 
 
-def with_discrepancy(
-    problem: Problem, scored: ScoredSet, *, most: int = MAX_NOISE_ROUNDS
-) -> ScoredSet:
+def refit_with_discrepancy(
+    problem: CauseSearchProblem, scored: ScoredCauseSet, *, most: int = MAX_NOISE_ROUNDS
+) -> ScoredCauseSet:
     """A set fitted together with what its causes' formulas leave: such a remainder is not random.
     most: rounds of noise and numbers.
 
@@ -70,7 +70,7 @@ def with_discrepancy(
     """
     if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
         return scored
-    best = discrepancy_at_best(problem, scored.expansion, scored.layout)
+    best = most_probable_discrepancy(problem, scored.expansion, scored.layout)
     known = scored.model.deviations
     if not best or not np.isfinite(list(best.values())).all():
         return scored
@@ -81,9 +81,9 @@ def with_discrepancy(
     ):
         return scored
 
-    def fitted_from(discrepancy: Mapping[str, float]) -> ScoredSet | None:
-        model = fit_again(problem, scored.model, scored.model.noise, deviations=stds,
-                          discrepancy=discrepancy)  # fmt: skip
+    def fitted_from(discrepancy: Mapping[str, float]) -> ScoredCauseSet | None:
+        model = refit_from_fitted_values(problem, scored.model, scored.model.noise, deviations=stds,
+                                         discrepancy=discrepancy)  # fmt: skip
         if not model.usable:
             return None
         return score_set(problem, fit_own_noise(problem, model, most=most))
@@ -97,18 +97,20 @@ def with_discrepancy(
     return score_set(problem, replace(scored.model, deviations=stds, discrepancy=held))
 
 
-def score_set(problem: Problem, model: FittedSet) -> ScoredSet:
+def score_set(problem: CauseSearchProblem, model: FittedCauseSet) -> ScoredCauseSet:
     """Log posterior of a fitted set, its causes' discrepancy integrated out."""
     causes = [problem.by_name[c] for c in model.causes]
     covered = [c for c in problem.candidates if any(problem.covers(own, c) for own in causes)
                or any(f.name in problem.tolerances for f in c.strengths)]  # fmt: skip
-    expansion = at_optimum(problem, expand_about(problem, model, covered))
-    lay = layout_of_set(problem, expansion, model.causes)
+    expansion = expansion_with_optimum_gradient(problem, expand_likelihood(problem, model, covered))
+    lay = columns_of_cause_set(problem, expansion, model.causes)
     value = log_evidence(expansion, lay) + log_prior(problem, model.causes)
-    return ScoredSet(model, expansion, lay, value if np.isfinite(value) else -np.inf)
+    return ScoredCauseSet(model, expansion, lay, value if np.isfinite(value) else -np.inf)
 
 
-def at_optimum(problem: Problem, expansion: Expansion) -> Expansion:
+def expansion_with_optimum_gradient(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion
+) -> LikelihoodExpansion:
     """An expansion whose gradient is that of an optimum: 0 in the fitted numbers, of those at a
     bound no slope away from it, and in the fitted discrepancy what its prior balances.
 

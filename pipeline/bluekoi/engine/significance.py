@@ -11,13 +11,15 @@ import numpy as np
 from ..fitting import Z_95, cluster_robust_covariance
 from .candidates import Candidate
 from .named_cause import NamedCause
-from .refit import FittedSet, off_bounds_mask
+from .refit import FittedCauseSet, off_bounds_mask
 
-Estimates = Mapping[str, tuple[float, float]]
+EstimateByLabel = Mapping[str, tuple[float, float]]
 """Label of a parameter -> value, standard deviation (NaN if unknown)."""
 
 
-def strength_estimates(model: FittedSet, candidates: Mapping[str, Candidate]) -> Estimates:
+def strength_estimates(
+    model: FittedCauseSet, candidates: Mapping[str, Candidate]
+) -> EstimateByLabel:
     """Strengths of a set's causes, each with the standard deviation of a normal distribution with
     its 95 % interval, from the variation between trials while the form of its cause is held.
 
@@ -36,7 +38,7 @@ def strength_estimates(model: FittedSet, candidates: Mapping[str, Candidate]) ->
 
 
 def insignificant_causes(
-    named: Sequence[NamedCause], candidates: Mapping[str, Candidate], estimates: Estimates
+    named: Sequence[NamedCause], candidates: Mapping[str, Candidate], estimates: EstimateByLabel
 ) -> list[NamedCause]:
     """Causes none of whose strengths differs from 0 at the 5 % level, by the variation between
     trials.

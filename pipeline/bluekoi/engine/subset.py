@@ -9,7 +9,7 @@ import numpy as np
 from ..data import Float
 
 
-def designed_subset(information: Float, count: int) -> list[int]:
+def d_optimal_trial_subset(information: Float, count: int) -> list[int]:
     """Indices, in order, of `count` trials whose information matrices (t, p, p) have the sum of
     largest determinant, taken one by one (D-optimal design).
 

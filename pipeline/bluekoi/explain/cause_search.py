@@ -10,30 +10,30 @@ import numpy as np
 
 from ..data import Float
 from ..engine import (
-    FittedSet,
-    FittedSets,
+    CauseSearchProblem,
+    FittedCauseSet,
+    FittedCauseSets,
     NamedCause,
     Posterior,
-    Problem,
-    ScoredSet,
+    ScoredCauseSet,
     choose_causes,
     fit_own_noise,
     insignificance_sentence,
-    posterior,
+    posterior_over_sets,
+    refit_without_discrepancy,
     search_sets,
-    without_discrepancy,
 )
 from ..engine.calibration import calibrated_probability
-from ..engine.naming import MIN_NAMED_PROBABILITY, UNEXPLAINED, log_evidence_gain
+from ..engine.naming import MIN_NAMED_PROBABILITY, UNLISTED_FORCE_LABEL, log_evidence_gain
 from ..engine.problem import no_progress
 from ..engine.set_score import score_set
-from ..errors import Finding, InputError, did_you_mean
-from ..fitting import Series
-from .checks import checked_model
+from ..errors import InputError, InputIssue, did_you_mean
+from ..fitting import TrialSeries
+from .checks import refuse_invalid_model
 from .comparison import (
     PREDICTION_ERRORS,
-    Fitted,
-    HeldOut,
+    CriterionFit,
+    HeldOutErrors,
     compare_held_out,
     errors_by_better_criterion,
     fit_by_criterion,
@@ -47,9 +47,9 @@ from .fit_quality import (
     refuse_far_larger_errors,
 )
 from .model import Model
-from .numbers import Number, at_bound_sentences, fitted_numbers, undetermined_sentences
-from .preparation import Prepared, prepare, step_error_and_warning
-from .recording_warnings import warnings_of
+from .numbers import FittedNumber, at_bound_sentences, fitted_numbers, undetermined_sentences
+from .preparation import PreparedCauseSearch, prepare_cause_search, step_error_and_warning
+from .recording_warnings import unusual_recording_warnings
 from .sampling import averaged_to_rate
 from .trials import HELD_OUT_ROLE, Trial, cut_at_gaps, series_of, validated_trials
 
@@ -68,7 +68,7 @@ class ComparedSet:
     causes: tuple[str, ...]
     log_posterior: float
     fitted_to: str
-    numbers: tuple[Number, ...]
+    numbers: tuple[FittedNumber, ...]
     errors: dict[str, float]
 
 
@@ -88,19 +88,19 @@ class CauseSearchResult:
     - warnings: what limits the result, in sentences.
     """
 
-    prepared: Prepared
+    prepared: PreparedCauseSearch
     posterior: Posterior
     verdict: str
     named: tuple[NamedCause, ...]
     gains: dict[str, float]
     unexplained: float
     probabilities: dict[str, float]
-    baseline: Fitted
-    extended: Fitted
-    numbers: tuple[Number, ...]
-    baseline_numbers: tuple[Number, ...]
-    best: ScoredSet
-    held_out: HeldOut
+    baseline: CriterionFit
+    extended: CriterionFit
+    numbers: tuple[FittedNumber, ...]
+    baseline_numbers: tuple[FittedNumber, ...]
+    best: ScoredCauseSet
+    held_out: HeldOutErrors
     warnings: tuple[str, ...]
     compared: tuple[ComparedSet, ...] = ()
 
@@ -122,7 +122,7 @@ def explain(
 
     Raises: InputError for a model, a trial or a name that cannot be used, naming it.
     """
-    checked_model(model)
+    refuse_invalid_model(model)
     whole = validated_trials(model, trials)
     given = cut_at_gaps(model, whole)
     names = requested_causes(model, candidates, without)
@@ -132,7 +132,7 @@ def explain(
         )
     fit = [t for t in given if t.role != HELD_OUT_ROLE]
     with reporting_compiler_errors(model):
-        ready = prepare(model, fit, names, progress)
+        ready = prepare_cause_search(model, fit, names, progress)
     checked = partial(refuse_far_larger_errors, ready)
     try:
         visited = search_sets(replace(ready.problem, check_baseline=checked))
@@ -143,17 +143,17 @@ def explain(
     if not np.isfinite(visited.best.log_posterior):
         raise divergence_error(model, fit)
     progress("probabilities")
-    found = posterior(problem, list(visited.sets.values()))
+    found = posterior_over_sets(problem, list(visited.sets.values()))
     chosen = choose_causes(found, problem.by_name, partial(_fit_named, problem))
     named, best, (final, own) = chosen.named, chosen.best, chosen.model
     bare = visited.sets[frozenset()]
     gains = {c.name: log_evidence_gain(list(visited.sets.values()), best, c.name) for c in named}
     named.sort(key=lambda c: -gains[c.name])
     progress("held-out errors")
-    test = test_series(ready, [t for t in given if t.role == HELD_OUT_ROLE])
+    test = series_of_further_trials(ready, [t for t in given if t.role == HELD_OUT_ROLE])
     errors = compare_held_out(model, problem, bare.model, final, test)
     base = fitted_numbers(problem.kernel, bare.model)
-    warnings = _warnings(ready, whole, best, bare, own=own, base=base)
+    warnings = _cause_search_warnings(ready, whole, best, bare, own=own, base=base)
     return CauseSearchResult(
         ready, found, verdict_of(model, named, chosen.unexplained), tuple(named), gains,
         chosen.unexplained,
@@ -167,28 +167,31 @@ def explain(
 
 
 def _fit_named(
-    problem: Problem, best: ScoredSet
-) -> tuple[tuple[FittedSet, list[Number]], FittedSet]:
+    problem: CauseSearchProblem, best: ScoredCauseSet
+) -> tuple[tuple[FittedCauseSet, list[FittedNumber]], FittedCauseSet]:
     """A set by its formulas alone with its numbers, and its fit."""
     final = fit_without_discrepancy(problem, best.model)
     own = fitted_numbers(problem.kernel, final)
     return (final, own), final
 
 
-def fit_without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
+def fit_without_discrepancy(problem: CauseSearchProblem, model: FittedCauseSet) -> FittedCauseSet:
     """A set fitted by the formulas of its causes alone, as it is simulated and reported: in the
     search its numbers are estimated beside what these formulas leave.
     """
     if not model.discrepancy:
         return model
-    plain = without_discrepancy(problem, model)
+    plain = refit_without_discrepancy(problem, model)
     return plain if plain.usable else model
 
 
 def _fit_compared_set(
-    ready: Prepared, visited: FittedSets, causes: tuple[str, ...], test: Sequence[Series],
+    ready: PreparedCauseSearch,
+    visited: FittedCauseSets,
+    causes: tuple[str, ...],
+    test: Sequence[TrialSeries],
     horizon_s: float,
-) -> ComparedSet:  # fmt: skip
+) -> ComparedSet:
     """A set of causes, fitted from the baseline on where the search had no use for it."""
     problem, best = ready.problem, visited.best
     scored = visited.add(causes, visited.sets[frozenset()].model)
@@ -211,15 +214,17 @@ def requested_causes(
     unknown = [n for n in (*(candidates or ()), *without) if n not in known]
     if unknown:
         raise InputError([
-            Finding(model.name, "causes", f"'{n}'", "a cause of the model",
-                    did_you_mean(n, known) if known else "The model has no causes.")
+            InputIssue(model.name, "causes", f"'{n}'", "a cause of the model",
+                       did_you_mean(n, known) if known else "The model has no causes.")
             for n in unknown
         ])  # fmt: skip
     chosen = known if candidates is None else candidates
     return tuple(n for n in known if n in chosen and n not in without)
 
 
-def test_series(ready: Prepared, trials: Sequence[Trial]) -> list[Series]:
+def series_of_further_trials(
+    ready: PreparedCauseSearch, trials: Sequence[Trial]
+) -> list[TrialSeries]:
     """Further trials as the filter has them, at the rate of the fit."""
     held = [i.held for i in ready.model.inputs]
     series = [series_of(ready.model, ready.assembly, t, ready.scales) for t in trials]
@@ -229,15 +234,20 @@ def test_series(ready: Prepared, trials: Sequence[Trial]) -> list[Series]:
 def verdict_of(model: Model, named: Sequence[NamedCause], unexplained: float) -> str:
     """none, physics, measurement or unexplained: the kind of the cause that explains most."""
     if unexplained > MIN_NAMED_PROBABILITY:
-        return UNEXPLAINED
+        return UNLISTED_FORCE_LABEL
     return model.by_name[named[0].name].kind if named else "none"
 
 
-def _warnings(
-    ready: Prepared, trials: Sequence[Trial], best: ScoredSet, bare: ScoredSet, *,
-    own: list[Number], base: list[Number],
-) -> list[str]:  # fmt: skip
-    out = [*ready.warnings, *warnings_of(ready.model, trials)]
+def _cause_search_warnings(
+    ready: PreparedCauseSearch,
+    trials: Sequence[Trial],
+    best: ScoredCauseSet,
+    bare: ScoredCauseSet,
+    *,
+    own: list[FittedNumber],
+    base: list[FittedNumber],
+) -> list[str]:
+    out = [*ready.warnings, *unusual_recording_warnings(ready.model, trials)]
     out += overdispersion_sentences(best)
     out += error_sentences(ready, best.model)
     out += input_term_sentences(ready, best.causes)
@@ -261,11 +271,13 @@ def _warnings(
     return out
 
 
-def _parameter_vectors(ready: Prepared, model: FittedSet) -> list[Float]:
-    return Fitted(model, model.fit, "").values(ready.problem, ready.problem.series)
+def _parameter_vectors(ready: PreparedCauseSearch, model: FittedCauseSet) -> list[Float]:
+    return CriterionFit(model, model.fit, "").values(ready.problem, ready.problem.series)
 
 
-def _random_force_warnings(ready: Prepared, best: ScoredSet, bare: ScoredSet) -> list[str]:
+def _random_force_warnings(
+    ready: PreparedCauseSearch, best: ScoredCauseSet, bare: ScoredCauseSet
+) -> list[str]:
     """Random forces that the named causes hardly reduced, or that last as long as they may."""
     out = []
     for k, channel in enumerate(ready.model.channels):

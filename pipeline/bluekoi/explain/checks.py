@@ -6,7 +6,7 @@ import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
 
-from ..errors import Finding, InputError, did_you_mean
+from ..errors import InputError, InputIssue, did_you_mean
 from ..integrate import Parameter, Stage
 from .model import (
     CAUSE_KINDS,
@@ -19,7 +19,7 @@ from .model import (
     Model,
     Observation,
     State,
-    arguments,
+    names_of_arguments,
 )
 from .unused_numbers import check_unused_numbers
 
@@ -27,11 +27,8 @@ MAX_STATES = 14
 """States of the model with its random forces and errors: sixteen lanes less two."""
 
 
-def checked_model(model: Model) -> None:
-    """Nothing, where the model can be used.
-
-    Raises: InputError with all that is wrong with it.
-    """
+def refuse_invalid_model(model: Model) -> None:
+    """Raises InputError with all that is wrong with a model."""
     findings = _check_types(model)
     if not findings:
         checks = _check_names, _check_stages, _check_causes, _check_coefficients
@@ -40,8 +37,10 @@ def checked_model(model: Model) -> None:
         raise InputError(findings)
 
 
-def _finding(model: Model, where: str, found: object, expected: str, remedy: str = "") -> Finding:
-    return Finding(f"model '{model.name}'", where, str(found), expected, remedy)
+def _finding(
+    model: Model, where: str, found: object, expected: str, remedy: str = ""
+) -> InputIssue:
+    return InputIssue(f"model '{model.name}'", where, str(found), expected, remedy)
 
 
 FIELD_TYPES = {"states": State, "observations": Observation, "inputs": Input, "constants": Constant,
@@ -49,7 +48,7 @@ FIELD_TYPES = {"states": State, "observations": Observation, "inputs": Input, "c
 """Field of a model -> type of its entries."""
 
 
-def _check_types(model: Model) -> list[Finding]:
+def _check_types(model: Model) -> list[InputIssue]:
     """Parts of a model of the wrong type: not a sequence of its items, or not a number."""
     out = [f for name, kind in FIELD_TYPES.items()
            for f in _check_sequence(model, name, getattr(model, name), kind)]  # fmt: skip
@@ -72,7 +71,7 @@ def _check_types(model: Model) -> list[Finding]:
     return out
 
 
-def _check_sequence(model: Model, where: str, given: object, kind: type) -> list[Finding]:
+def _check_sequence(model: Model, where: str, given: object, kind: type) -> list[InputIssue]:
     expected = f"a tuple of {kind.__name__}"
     if isinstance(given, kind):
         remedy = "A tuple of one needs a comma: (X,)."
@@ -88,11 +87,11 @@ def _text_or_type(value: object) -> str:
     return repr(value) if isinstance(value, str) else type(value).__name__
 
 
-def _check_names(model: Model) -> list[Finding]:
+def _check_names(model: Model) -> list[InputIssue]:
     """Names that are unusable, used twice or refer to nothing; counts and standard deviations."""
     out = []
     if not model.name.isidentifier():
-        out.append(Finding("model", "name", f"'{model.name}'", "letters, digits and _"))
+        out.append(InputIssue("model", "name", f"'{model.name}'", "letters, digits and _"))
     for what, least in (("states", 1), ("observations", 1), ("stages", 1)):
         if len(getattr(model, what)) < least:
             out.append(_finding(model, what, "none", "one at least"))
@@ -125,7 +124,7 @@ def _check_names(model: Model) -> list[Finding]:
     return out
 
 
-def _check_stages(model: Model) -> list[Finding]:
+def _check_stages(model: Model) -> list[InputIssue]:
     """Stages that are missing, return the wrong outputs or have unknown arguments."""
     out = []
     stages = {s.name: s for s in model.stages}
@@ -165,15 +164,15 @@ def _check_stages(model: Model) -> list[Finding]:
 
 def _check_arguments(
     model: Model, where: str, function: Function, known: set[str]
-) -> list[Finding]:
+) -> list[InputIssue]:
     """Arguments of a function that are not among the known names."""
     return [_finding(model, f"{where}: {function.__name__}", f"argument '{a}'",
                      "a state, input, constant, coefficient, t or an output of a stage before",
                      did_you_mean(a, known))
-            for a in arguments(function) if a not in known]  # fmt: skip
+            for a in names_of_arguments(function) if a not in known]  # fmt: skip
 
 
-def _check_causes(model: Model) -> list[Finding]:
+def _check_causes(model: Model) -> list[InputIssue]:
     """Causes of unknown kind, without a function for an open stage, or with wrong parameters."""
     out = []
     opened = [s.name for s in model.stages if s.open or s.name == OBSERVE_STAGE]
@@ -207,7 +206,7 @@ def _check_causes(model: Model) -> list[Finding]:
     return out
 
 
-def _check_cause_arguments(model: Model, cause: Cause) -> list[Finding]:
+def _check_cause_arguments(model: Model, cause: Cause) -> list[InputIssue]:
     """Arguments of a cause's functions that nothing gives."""
     base = model.given_names | {p.argument for p in cause.parameters} | set(cause.states)
     every = base | {
@@ -227,12 +226,12 @@ def _check_cause_arguments(model: Model, cause: Cause) -> list[Finding]:
     return out
 
 
-def _check_coefficients(model: Model) -> list[Finding]:
+def _check_coefficients(model: Model) -> list[InputIssue]:
     """Coefficients with wrong bounds, or that no equation takes as an argument."""
     out = [f for p in model.coefficients
            for f in _check_bounds(model, f"coefficient {p.name}", p, zero=False)]  # fmt: skip
     known = [p.name for p in model.coefficients]
-    used = {a for f in _all_functions(model) for a in arguments(f)}
+    used = {a for f in _all_functions(model) for a in names_of_arguments(f)}
     out += [_finding(model, f"coefficient {n}", "no equation that asks for it",
                      "an argument of that name in a stage or a cause") for n in known
             if n not in used]  # fmt: skip
@@ -248,7 +247,7 @@ def _all_functions(model: Model) -> list[Function]:
     return own
 
 
-def _check_bounds(model: Model, where: str, p: Parameter, *, zero: bool) -> list[Finding]:
+def _check_bounds(model: Model, where: str, p: Parameter, *, zero: bool) -> list[InputIssue]:
     """Start value and bounds of a parameter; zero: the bounds must include 0."""
     if not all(math.isfinite(x) for x in (p.start, p.lower, p.upper)):
         return [_finding(model, where, f"{p.start}, {p.lower} to {p.upper}",
@@ -268,7 +267,7 @@ def _check_bounds(model: Model, where: str, p: Parameter, *, zero: bool) -> list
     return []
 
 
-def _check_calls(model: Model) -> list[Finding]:
+def _check_calls(model: Model) -> list[InputIssue]:
     """Functions called once with plain numbers: errors and wrong counts of outputs."""
     stages = {s.name: s for s in model.stages}
     out = [f for s in model.stages if s.function is not None
@@ -284,11 +283,11 @@ def _check_calls(model: Model) -> list[Finding]:
 
 def _check_call(
     model: Model, where: str, function: Callable[..., object], outputs: Sequence[str]
-) -> list[Finding]:
+) -> list[InputIssue]:
     place = f"{where}: {function.__name__}"
     expected = f"a tuple of {len(outputs)}: {', '.join(outputs)}"
     try:
-        found = function(*(0.5 + 0.1 * i for i in range(len(arguments(function)))))
+        found = function(*(0.5 + 0.1 * i for i in range(len(names_of_arguments(function)))))
     except ArithmeticError:
         return []
     except (Exception, SystemExit) as error:

@@ -9,17 +9,17 @@ from itertools import pairwise
 import numpy as np
 
 from ..data import Float
-from ..engine import FittedSet, Problem, fit_set
+from ..engine import CauseSearchProblem, FittedCauseSet, fit_set
 from ..engine.refit import start_values
 from ..fitting import (
-    Fit,
-    Series,
+    ParameterFit,
+    TrialSeries,
     filter_all,
-    fit_paths,
+    fit_trajectories,
     free_runs,
     parametric_bootstrap,
-    smooth,
-    trial_values,
+    rts_smooth,
+    trial_parameter_vector,
 )
 from ..fitting.trial_effects import drawn_trial_effects, points_with_effects
 from .model import Model
@@ -35,22 +35,24 @@ PREDICTION_ERRORS, TRAJECTORIES = "prediction errors", "trajectories"
 
 
 @dataclass(frozen=True)
-class Fitted:
+class CriterionFit:
     """A set of causes with its numbers fitted by one criterion."""
 
-    model: FittedSet
-    fit: Fit
+    model: FittedCauseSet
+    fit: ParameterFit
     criterion: str
 
-    def values(self, problem: Problem, series: Sequence[Series]) -> list[Float]:
+    def values(self, problem: CauseSearchProblem, series: Sequence[TrialSeries]) -> list[Float]:
         """Full parameter vectors, one a trial."""
         base = start_values(problem, self.model.causes, self.fit.by_label())
-        return [trial_values(problem.kernel, base, self.fit.free, self.fit.values, s.group)
-                for s in series]  # fmt: skip
+        return [
+            trial_parameter_vector(problem.kernel, base, self.fit.free, self.fit.values, s.group)
+            for s in series
+        ]
 
 
 @dataclass(frozen=True)
-class HeldOut:
+class HeldOutErrors:
     """Errors on conditions that were left out of the fit, each in its unit.
 
     baseline, extended, noise_floor: name -> root mean square error; the floor is the error of the
@@ -66,9 +68,9 @@ class HeldOut:
     stretch_s: float
 
 
-def fit_by_both_criteria(problem: Problem, model: FittedSet) -> list[Fitted]:
+def fit_by_both_criteria(problem: CauseSearchProblem, model: FittedCauseSet) -> list[CriterionFit]:
     """A set fitted by prediction errors, and to whole trajectories where that fit ends well."""
-    out = [Fitted(model, model.fit, PREDICTION_ERRORS)]
+    out = [CriterionFit(model, model.fit, PREDICTION_ERRORS)]
     kernel, base = problem.kernel, start_values(problem, model.causes, model.fit.by_label())
     states = len(kernel.system.states)
     own = any(kernel.system.effect(c.partition(".")[0]).states for c in model.causes)
@@ -76,22 +78,24 @@ def fit_by_both_criteria(problem: Problem, model: FittedSet) -> list[Fitted]:
     if own or len(model.fit.free) + states > MAX_REFITTED_PARAMETERS:
         return out
     with np.errstate(all="ignore"):
-        found = fit_paths(kernel, problem.series, base, model.fit.free, open_states=states,
-                          start=model.fit.by_label(), iterations=20).fit  # fmt: skip
+        found = fit_trajectories(kernel, problem.series, base, model.fit.free, open_states=states,
+                                 start=model.fit.by_label(), iterations=20).fit  # fmt: skip
     if np.isfinite(found.values).all() and np.isfinite(found.normal.log_likelihood).all():
-        out.append(Fitted(model, found, TRAJECTORIES))
+        out.append(CriterionFit(model, found, TRAJECTORIES))
     return out
 
 
-def fit_by_criterion(problem: Problem, model: FittedSet, criterion: str) -> Fitted:
+def fit_by_criterion(
+    problem: CauseSearchProblem, model: FittedCauseSet, criterion: str
+) -> CriterionFit:
     """A set with its numbers fitted to all trials by one criterion."""
     if criterion == PREDICTION_ERRORS:
-        return Fitted(model, model.fit, criterion)
+        return CriterionFit(model, model.fit, criterion)
     found = fit_by_both_criteria(problem, model)
     return next((f for f in found if f.criterion == criterion), found[0])
 
 
-def condition_folds(series: Sequence[Series]) -> list[list[str]]:
+def conditions_by_fold(series: Sequence[TrialSeries]) -> list[list[str]]:
     """Conditions in up to six folds."""
     conditions = sorted({s.condition for s in series})
     count = min(MAX_FOLDS, len(conditions))
@@ -99,28 +103,31 @@ def condition_folds(series: Sequence[Series]) -> list[list[str]]:
 
 
 def compare_held_out(
-    model: Model, problem: Problem, baseline: FittedSet, extended: FittedSet,
-    test: Sequence[Series],
-) -> HeldOut:  # fmt: skip
-    """`HeldOut`: on `test` where there are such trials, else by leaving conditions out in turn."""
+    model: Model, problem: CauseSearchProblem, baseline: FittedCauseSet, extended: FittedCauseSet,
+    test: Sequence[TrialSeries],
+) -> HeldOutErrors:  # fmt: skip
+    """Errors on `test` where there are such trials, else by leaving conditions out in turn."""
     horizon = predictability_horizon_s(problem, extended, test or problem.series)
     found = errors_by_better_criterion(model, problem, (baseline, extended), test, horizon)
     floor = noise_floor_errors(model, problem, extended, test or problem.series, horizon)
     trials = tuple(s.name for s in (test or problem.series))
     (first, before), (second, after) = found
-    return HeldOut(trials, before, after, floor, (first, second), horizon)
+    return HeldOutErrors(trials, before, after, floor, (first, second), horizon)
 
 
 @np.errstate(all="ignore")
 def errors_by_better_criterion(
-    model: Model, problem: Problem, sets: Sequence[FittedSet], test: Sequence[Series],
+    model: Model,
+    problem: CauseSearchProblem,
+    sets: Sequence[FittedCauseSet],
+    test: Sequence[TrialSeries],
     horizon_s: float,
-) -> list[tuple[str, dict[str, float]]]:  # fmt: skip
+) -> list[tuple[str, dict[str, float]]]:
     """Of each set the better criterion of its fit, and its errors on trials not fitted to."""
     parts = [(list(problem.series), list(test))] if test else [
         ([s for s in problem.series if s.condition not in fold],
          [s for s in problem.series if s.condition in fold])
-        for fold in condition_folds(problem.series)]  # fmt: skip
+        for fold in conditions_by_fold(problem.series)]  # fmt: skip
     parts = [p for p in parts if p[0] and p[1]] or [(list(problem.series), list(problem.series))]
     out = []
     for one in sets:
@@ -136,7 +143,7 @@ def errors_by_better_criterion(
     return out
 
 
-def refit_to_trials(problem: Problem, model: FittedSet) -> FittedSet:
+def refit_to_trials(problem: CauseSearchProblem, model: FittedCauseSet) -> FittedCauseSet:
     """The same set under the same noise, fitted to other trials; itself where that runs away."""
     found = fit_set(problem, model.causes, model.noise, model.fit.by_label(),
                    free=[f for f in model.fit.free if f.group is None
@@ -151,10 +158,12 @@ def refit_to_trials(problem: Problem, model: FittedSet) -> FittedSet:
     return replace(model, fit=replace(model.fit, values=values))
 
 
-def predictability_horizon_s(problem: Problem, model: FittedSet, series: Sequence[Series]) -> float:
+def predictability_horizon_s(
+    problem: CauseSearchProblem, model: FittedCauseSet, series: Sequence[TrialSeries]
+) -> float:
     """Time in which small differences grow by e^6, s: the median over trials."""
     kernel, own = problem.kernel, len(problem.kernel.system.states)
-    values = Fitted(model, model.fit, "").values(problem, series)
+    values = CriterionFit(model, model.fit, "").values(problem, series)
     longest = [float(np.ptp(s.times)) for s in series]
     scale = np.sqrt(np.diag(series[0].cov))[:own]
     for k, (one, result) in enumerate(zip(series, filter_all(kernel, series, values, model.noise),
@@ -169,9 +178,12 @@ def predictability_horizon_s(problem: Problem, model: FittedSet, series: Sequenc
     return float(np.median(longest))
 
 
-def cut_into_segments(
-    problem: Problem, found: Fitted, series: Sequence[Series], horizon_s: float
-) -> list[Series]:
+def cut_trials_into_segments(
+    problem: CauseSearchProblem,
+    found: CriterionFit,
+    series: Sequence[TrialSeries],
+    horizon_s: float,
+) -> list[TrialSeries]:
     """Trials cut into segments not longer than the horizon, started at the smoothed states."""
     kernel, own = problem.kernel, len(problem.kernel.system.states)
     passes = filter_all(kernel, series, found.values(problem, series), found.model.noise)
@@ -179,7 +191,7 @@ def cut_into_segments(
     for one, result in zip(series, passes, strict=True):
         count = max(1, int(np.ceil(np.ptp(one.times) / horizon_s - 1e-6)))
         edges = np.linspace(0, len(one.times), count + 1).astype(int)
-        states = smooth(result)[0] if count > 1 else result.filtered
+        states = rts_smooth(result)[0] if count > 1 else result.filtered
         for a, b in pairwise(edges):
             if b - a < MIN_SEGMENT_FRAMES and count > 1:
                 continue
@@ -193,10 +205,14 @@ def cut_into_segments(
 
 
 def segment_errors(
-    model: Model, problem: Problem, found: Fitted, series: Sequence[Series], horizon_s: float
+    model: Model,
+    problem: CauseSearchProblem,
+    found: CriterionFit,
+    series: Sequence[TrialSeries],
+    horizon_s: float,
 ) -> list[Float]:
     """Simulated minus seen (frames, observations) of every segment, starts fitted."""
-    parts = cut_into_segments(problem, found, series, horizon_s)
+    parts = cut_trials_into_segments(problem, found, series, horizon_s)
     if not parts:
         return []
     runs = free_runs(problem.kernel, parts, found.values(problem, parts),
@@ -224,13 +240,17 @@ def _mean_square(errors: Sequence[Float]) -> float:
 
 @np.errstate(all="ignore")
 def noise_floor_errors(
-    model: Model, problem: Problem, found: FittedSet, series: Sequence[Series], horizon_s: float
+    model: Model,
+    problem: CauseSearchProblem,
+    found: FittedCauseSet,
+    series: Sequence[TrialSeries],
+    horizon_s: float,
 ) -> dict[str, float]:
     """Errors of a model on data made by itself, with random forces, trial effects and noise."""
-    whole, rng = Fitted(found, found.fit, ""), np.random.default_rng(NOISE_FLOOR_SEED)
+    whole, rng = CriterionFit(found, found.fit, ""), np.random.default_rng(NOISE_FLOOR_SEED)
     values = whole.values(problem, series)
     filtered = filter_all(problem.kernel, series, values, found.noise)
-    starts = np.array([smooth(one)[0][0] for one in filtered])
+    starts = np.array([rts_smooth(one)[0][0] for one in filtered])
     rows: list[Float] = []
     names, known = [one.name for one in series], found.fit.normal.effects.values
     for _ in range(NOISE_FLOOR_DRAWS):

@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Float
 from ..errors import InputError, input_error
 from ..vector_width import njit
-from .model import Function, Model, arguments
+from .model import Function, Model, names_of_arguments
 from .trials import Trial
 
 SAMPLES_PER_TRIAL, TRIALS_CHECKED = 41, 4
@@ -62,7 +62,7 @@ def _first_nonfinite_equation(model: Model, given: dict[str, float]) -> tuple[st
     for stage in model.stages:
         values: Sequence[float] = [0.0] * len(stage.outputs)
         if stage.function is not None:
-            own = {a: given[a] for a in arguments(stage.function)}
+            own = {a: given[a] for a in names_of_arguments(stage.function)}
             at = ", ".join(f"{a} = {v:.4g}" for a, v in own.items())
             where = f"stage {stage.name}: {stage.function.__name__}"
             try:
@@ -107,7 +107,7 @@ def _located_functions(model: Model) -> Iterator[tuple[str, Function]]:
 def _compiler_message(function: Function) -> str:
     """What the compiler says against a function, in a line; empty where it compiles."""
     try:
-        njit(function)(*(0.5 + 0.1 * i for i in range(len(arguments(function)))))
+        njit(function)(*(0.5 + 0.1 * i for i in range(len(names_of_arguments(function)))))
     except ArithmeticError:
         return ""
     except Exception as error:

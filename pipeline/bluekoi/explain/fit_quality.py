@@ -9,10 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..data import Float
-from ..engine import FittedSet, ScoredSet
+from ..engine import FittedCauseSet, ScoredCauseSet
 from ..errors import input_error
 from ..fitting import MAX_OVERDISPERSION, FilterResults, Noise
-from .preparation import Prepared, stated_std
+from .preparation import PreparedCauseSearch, stated_std
 
 MAX_ERROR_OVER_STATED = 10.0
 """Estimated over stated errors of an observation above which the report warns."""
@@ -28,7 +28,7 @@ MIN_DEVIATING_SHARE = 0.5
 """Share of one trial in the variation between trials, above which it is named."""
 
 
-def overdispersion_sentences(best: ScoredSet) -> list[str]:
+def overdispersion_sentences(best: ScoredCauseSet) -> list[str]:
     """A sentence where the trials disagree, with the trial that deviates if it is one."""
     if (c := best.overdispersion) <= MAX_OVERDISPERSION:
         return []
@@ -45,7 +45,7 @@ def overdispersion_sentences(best: ScoredSet) -> list[str]:
     ]
 
 
-def deviating_trial(model: FittedSet) -> str:
+def deviating_trial(model: FittedCauseSet) -> str:
     """Name of the trial whose score g' H^-1 g is more than half of the sum over trials, or none."""
     normal, move = model.fit.normal, ~model.at_bound
     if not move.any():
@@ -60,7 +60,7 @@ def deviating_trial(model: FittedSet) -> str:
     return names[k] if scores[k] > MIN_DEVIATING_SHARE * scores.sum() else ""
 
 
-def error_sentences(ready: Prepared, model: FittedSet) -> list[str]:
+def error_sentences(ready: PreparedCauseSearch, model: FittedCauseSet) -> list[str]:
     """A sentence for each observation whose estimated errors are far larger than the stated ones:
     white noise and errors that last together.
     """
@@ -82,13 +82,15 @@ def error_sentences(ready: Prepared, model: FittedSet) -> list[str]:
     ]
 
 
-def errors_over_stated(ready: Prepared, noise: Noise) -> Float:
+def errors_over_stated(ready: PreparedCauseSearch, noise: Noise) -> Float:
     """Estimated errors (observations,), white and lasting ones together, over the stated ones."""
     lasting = noise.disturbance[-len(ready.model.observations) :]
     return np.hypot(noise.scale, lasting / stated_std(ready.problem.series))
 
 
-def refuse_far_larger_errors(ready: Prepared, noise: Noise, passes: FilterResults) -> None:
+def refuse_far_larger_errors(
+    ready: PreparedCauseSearch, noise: Noise, passes: FilterResults
+) -> None:
     """InputError where the errors of the model without causes are over a hundred times the stated
     ones, as in a wrong unit.
     """
@@ -112,7 +114,7 @@ def _trial_with_most_errors(passes: FilterResults) -> str:
     return passes.series[k].name if most else ""
 
 
-def input_term_sentences(ready: Prepared, causes: Sequence[str]) -> list[str]:
+def input_term_sentences(ready: PreparedCauseSearch, causes: Sequence[str]) -> list[str]:
     """A sentence for each residual term that is linear in an input, as one of a wrong unit is."""
     inputs = {i.name for i in ready.model.inputs}
     out = []

@@ -21,7 +21,7 @@ import yaml
 
 from ..data import Float
 from ..data.unique_yaml import load_yaml_without_duplicates
-from ..errors import Finding, InputError, did_you_mean, input_error, unreadable_reason
+from ..errors import InputError, InputIssue, did_you_mean, input_error, unreadable_reason
 from ..files import found_instead_of_file, read_text
 from .model import Model
 from .trials import FIT_ROLE, Trial
@@ -96,8 +96,8 @@ def _check_keys(
 ) -> None:  # fmt: skip
     unknown = [str(k) for k in given if k not in keys]
     if unknown:
-        raise InputError([Finding(str(path), where or k, f"'{k}'", expected,
-                                  did_you_mean(k, keys) if keys else "The model has none.")
+        raise InputError([InputIssue(str(path), where or k, f"'{k}'", expected,
+                                     did_you_mean(k, keys) if keys else "The model has none.")
                           for k in unknown])  # fmt: skip
 
 
@@ -110,10 +110,10 @@ def _columns_and_factors(
     given = settings.get("columns")
     if not isinstance(given, dict):
         raise input_error(path, "columns", given, f"an entry for each of {', '.join(wanted)}")
-    findings = [Finding(str(path), "columns", f"'{k}'", "time, an input or an observation",
-                        did_you_mean(str(k), wanted))
+    findings = [InputIssue(str(path), "columns", f"'{k}'", "time, an input or an observation",
+                           did_you_mean(str(k), wanted))
                 for k in given if k not in wanted]  # fmt: skip
-    findings += [Finding(str(path), "columns", f"no '{k}'", f"{k}: {{column: NAME, unit: {u}}}")
+    findings += [InputIssue(str(path), "columns", f"no '{k}'", f"{k}: {{column: NAME, unit: {u}}}")
                  for k, u in wanted.items() if k not in given]  # fmt: skip
     if findings:
         raise InputError(findings)
@@ -137,7 +137,7 @@ def _check_one_unit_per_column(columns: Mapping[str, Mapping[str, Any]], path: P
     twice = {c: names for c, names in units.items() if len(names) > 1}
     if twice:
         raise InputError([
-            Finding(str(path), "columns", " and ".join(
+            InputIssue(str(path), "columns", " and ".join(
                 f"'{c}' in {unit} as {name}" for unit, name in names.items()
             ), "one unit of a column", "Each quantity needs a column of its own.")
             for c, names in twice.items()
@@ -235,11 +235,11 @@ def _check_columns_present(path: Path, names: Sequence[str], wanted: Sequence[st
         raise input_error(path, "header", found, "the columns that data.yaml names",
                           f"The first row is: {', '.join(names)}.")  # fmt: skip
     again = [c for c in wanted if f"{c}.1" in names]
-    findings = [Finding(str(path), "header", f"two columns '{c}'", "a name for each column")
+    findings = [InputIssue(str(path), "header", f"two columns '{c}'", "a name for each column")
                 for c in again]  # fmt: skip
     findings = findings or [
-        Finding(str(path), "header", f"no column '{c}'", "the column that data.yaml names",
-                did_you_mean(c, names)) for c in lacking
+        InputIssue(str(path), "header", f"no column '{c}'", "the column that data.yaml names",
+                   did_you_mean(c, names)) for c in lacking
     ]  # fmt: skip
     if findings:
         raise InputError(findings)

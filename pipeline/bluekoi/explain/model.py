@@ -190,12 +190,12 @@ class Model:
         return (units | {o.name: o.unit for o in self.observations}).get(name, "")
 
 
-def arguments(function: Function) -> tuple[str, ...]:
+def names_of_arguments(function: Function) -> tuple[str, ...]:
     """Names of a function's arguments."""
     return tuple(inspect.signature(function).parameters)
 
 
-def variables_of(model: Model, cause: Cause) -> tuple[str, ...]:
+def variables_of_cause(model: Model, cause: Cause) -> tuple[str, ...]:
     """States, inputs and time that a cause depends on, directly or through stages before it;
     `constant` where it depends on none.
     """
@@ -203,7 +203,7 @@ def variables_of(model: Model, cause: Cause) -> tuple[str, ...]:
         o: s for s in model.stages for o in s.outputs if s.name not in (RATES_STAGE, OBSERVE_STAGE)
     }
     moving = {x.name for x in model.variables} | {"t"}
-    todo = [a for f in cause.hooks.values() for a in arguments(f)]
+    todo = [a for f in cause.hooks.values() for a in names_of_arguments(f)]
     done: set[str] = set()
     while todo:
         name = todo.pop()
@@ -212,12 +212,12 @@ def variables_of(model: Model, cause: Cause) -> tuple[str, ...]:
         done.add(name)
         stage = makers.get(name)
         if stage is not None and stage.function is not None and name not in moving:
-            todo += arguments(stage.function)
+            todo += names_of_arguments(stage.function)
     found = tuple(sorted(done & moving))
     return found or ("constant",)
 
 
-def channels_of(model: Model, cause: Cause) -> tuple[str, ...]:
+def channels_of_cause(model: Model, cause: Cause) -> tuple[str, ...]:
     """Outputs of the stage `force` that a cause pushes: all of them where it acts before it, none
     where it acts on the observations alone.
     """
@@ -229,7 +229,7 @@ def channels_of(model: Model, cause: Cause) -> tuple[str, ...]:
         return model.channels
     acting: set[str] = set()
     for k in range(3):
-        values = [0.37 + 0.21 * k + 0.11 * i for i in range(len(arguments(function)))]
+        values = [0.37 + 0.21 * k + 0.11 * i for i in range(len(names_of_arguments(function)))]
         try:
             out = function(*values)
         except ArithmeticError:

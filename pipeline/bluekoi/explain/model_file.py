@@ -12,7 +12,7 @@ from pathlib import Path
 from types import ModuleType
 
 from ..errors import InputError, input_error
-from .checks import checked_model
+from .checks import refuse_invalid_model
 from .model import Model
 
 MODEL_VARIABLE = "MODEL"
@@ -33,7 +33,7 @@ def load_model(path: Path) -> Model:
         what = type(found).__name__ if hasattr(module, MODEL_VARIABLE) else "no such name"
         remedy = "See docs/own_models.md for an example."
         raise input_error(path, MODEL_VARIABLE, what, "MODEL = Model(...)", remedy)
-    checked_model(found)
+    refuse_invalid_model(found)
     return found
 
 

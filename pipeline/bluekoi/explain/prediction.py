@@ -8,16 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..engine.naming import UNEXPLAINED
-from ..fitting import Noise, Series, filter_series, free_runs
-from ..fitting.filtering import with_noise
+from ..engine.naming import UNLISTED_FORCE_LABEL
+from ..fitting import Noise, TrialSeries, filter_series, free_runs
+from ..fitting.filtering import values_with_noise_switched_on
 from ..integrate import CompiledSystem
-from ..integrate.batch import in_lanes, propagate
-from .cause_search import CauseSearchResult, test_series
+from ..integrate.batch import in_lanes, simulate_batch
+from .cause_search import CauseSearchResult, series_of_further_trials
 from .comparison import (
     PREDICTION_ERRORS,
-    Fitted,
-    condition_folds,
+    CriterionFit,
+    conditions_by_fold,
     fit_by_criterion,
     refit_to_trials,
     rms_errors,
@@ -31,7 +31,7 @@ RUNAWAY_RANGES = 10.0
 
 
 @dataclass(frozen=True)
-class Run:
+class FreeSimulation:
     """A trial simulated freely: times (n,), simulated and seen (n, observations)."""
 
     trial: str
@@ -54,7 +54,7 @@ class Predicted:
     - messages: remarks, in sentences.
     """
 
-    runs: dict[tuple[str, str], list[Run]]
+    runs: dict[tuple[str, str], list[FreeSimulation]]
     measured: list[dict[str, float]]
     known_s: float
     not_applied: tuple[str, ...]
@@ -70,7 +70,7 @@ def predict(
 ) -> Predicted:
     """`Predicted` for trials that the model was not fitted to."""
     model = found.model
-    series = test_series(found.prepared, validated_trials(model, trials))
+    series = series_of_further_trials(found.prepared, validated_trials(model, trials))
     site = tuple(c for c in found.extended.model.causes
                  if c in model.by_name and model.by_name[c].site)  # fmt: skip
     models = {"baseline": found.baseline, "extended": without_site_causes(found, site)}
@@ -79,7 +79,7 @@ def predict(
             for start, known in ((START_FITTED, np.inf), (START_ESTIMATED, known_s))}  # fmt: skip
     messages = [f"{c} belongs to the site of the fitted recordings and is not applied here."
                 for c in site]  # fmt: skip
-    if found.verdict == UNEXPLAINED:
+    if found.verdict == UNLISTED_FORCE_LABEL:
         messages.append(
             "The verdict is unexplained: forces without a name were fitted to other "
             "recordings, and predictions with them may be worse than the baseline's."
@@ -89,7 +89,7 @@ def predict(
                      tuple(messages))  # fmt: skip
 
 
-def without_site_causes(found: CauseSearchResult, site: Sequence[str]) -> Fitted:
+def without_site_causes(found: CauseSearchResult, site: Sequence[str]) -> CriterionFit:
     """The extended model with the strengths of site-specific causes at 0."""
     one = found.extended
     off = {f.label for c in site for f in found.prepared.problem.by_name[c].strengths}
@@ -98,7 +98,7 @@ def without_site_causes(found: CauseSearchResult, site: Sequence[str]) -> Fitted
     return replace(one, fit=replace(one.fit, values=values))
 
 
-def _unfitted_group_sentences(found: CauseSearchResult, series: Sequence[Series]) -> list[str]:
+def _unfitted_group_sentences(found: CauseSearchResult, series: Sequence[TrialSeries]) -> list[str]:
     known = {f.group for f in found.extended.fit.free if f.group is not None}
     new = sorted({s.group for s in series} - known) if known else []
     return [f"Group '{g}' was not fitted: its coefficients are at their start values." for g in new]
@@ -108,8 +108,8 @@ def predict_left_out(found: CauseSearchResult, *, known_s: float = DEFAULT_KNOWN
     """`Predicted` for the fitted trials, each condition by models fitted to the others."""
     problem, model = found.prepared.problem, found.model
     series = list(problem.series)
-    runs: dict[tuple[str, str], dict[str, Run]] = {}
-    for fold in condition_folds(series):
+    runs: dict[tuple[str, str], dict[str, FreeSimulation]] = {}
+    for fold in conditions_by_fold(series):
         rest = replace(problem, series=tuple(s for s in series if s.condition not in fold))
         own = [s for s in series if s.condition in fold]
         for name, one in (("baseline", found.baseline), ("extended", found.extended)):
@@ -124,7 +124,7 @@ def predict_left_out(found: CauseSearchResult, *, known_s: float = DEFAULT_KNOWN
     return Predicted(ordered, measured, known_s, (), tuple(runaway_sentences(ordered)))
 
 
-def runaway_sentences(runs: Mapping[tuple[str, str], Sequence[Run]]) -> list[str]:
+def runaway_sentences(runs: Mapping[tuple[str, str], Sequence[FreeSimulation]]) -> list[str]:
     """A sentence for each model that runs away from trials, whatever the start."""
     away: dict[str, list[str]] = {}
     for (name, _), rows in runs.items():
@@ -135,7 +135,7 @@ def runaway_sentences(runs: Mapping[tuple[str, str], Sequence[Run]]) -> list[str
             "model does not hold." for name, trials in away.items() if trials]  # fmt: skip
 
 
-def _has_run_away(run: Run) -> bool:
+def _has_run_away(run: FreeSimulation) -> bool:
     known = np.isfinite(run.seen)
     error = np.where(known, np.abs(run.simulated - run.seen), 0.0)
     extent = np.nanmax(run.seen, axis=0) - np.nanmin(run.seen, axis=0)
@@ -144,12 +144,12 @@ def _has_run_away(run: Run) -> bool:
 
 @np.errstate(all="ignore")
 def _simulate_trials(
-    found: CauseSearchResult, one: Fitted, series: Sequence[Series], known_s: float
-) -> list[Run]:
+    found: CauseSearchResult, one: CriterionFit, series: Sequence[TrialSeries], known_s: float
+) -> list[FreeSimulation]:
     problem, model = found.prepared.problem, found.model
     values = one.values(problem, series)
     if np.isfinite(known_s):  # the filter goes with the fit by its prediction errors
-        values = Fitted(one.model, one.model.fit, PREDICTION_ERRORS).values(problem, series)
+        values = CriterionFit(one.model, one.model.fit, PREDICTION_ERRORS).values(problem, series)
         observed = [forecast(problem.kernel, s, v, one.model.noise, known_s)
                     for s, v in zip(series, values, strict=True)]  # fmt: skip
     else:
@@ -161,11 +161,13 @@ def _simulate_trials(
             ~in_first_seconds(s, known_s) if np.isfinite(known_s) else np.ones(len(y), dtype=bool)
         )
         errors = rms_errors(model, [(y - s.seen)[later]])
-        out.append(Run(s.name, s.times, y, s.seen, errors, _measures_of_path(model, s, y)))
+        out.append(
+            FreeSimulation(s.name, s.times, y, s.seen, errors, _measures_of_path(model, s, y))
+        )
     return out
 
 
-def in_first_seconds(one: Series, known_s: float) -> np.ndarray:
+def in_first_seconds(one: TrialSeries, known_s: float) -> np.ndarray:
     """Frames (n,) in the first seconds of a trial, by its clock; after its first sample where it
     begins later.
     """
@@ -174,7 +176,7 @@ def in_first_seconds(one: Series, known_s: float) -> np.ndarray:
 
 
 def forecast(
-    kernel: CompiledSystem, one: Series, values: Float, noise: Noise, known_s: float
+    kernel: CompiledSystem, one: TrialSeries, values: Float, noise: Noise, known_s: float
 ) -> Float:
     """Observations (n, observations) predicted from the first `known_s` seconds of a trial by the
     filter, lasting errors and all.
@@ -182,14 +184,16 @@ def forecast(
     known = in_first_seconds(one, known_s)
     beginning = replace(one, seen=np.where(known[:, None], one.seen, np.nan))
     states = filter_series(kernel, beginning, values, noise).predicted
-    count, full = len(one.times), with_noise(kernel, values, noise)
+    count, full = len(one.times), values_with_noise_switched_on(kernel, values, noise)
     rows = (states, np.tile(full, (count, 1)), np.tile(one.constants, (count, 1)))
     lanes = [in_lanes(row) for row in rows]
-    observed, _ = propagate(kernel, *lanes, times=one.times[:, None], inputs=one.inputs[:, None])
+    observed, _ = simulate_batch(
+        kernel, *lanes, times=one.times[:, None], inputs=one.inputs[:, None]
+    )
     return observed[:, 0, :, 0]
 
 
-def _measures_of_path(model: Model, series: Series, observed: Float) -> dict[str, float]:
+def _measures_of_path(model: Model, series: TrialSeries, observed: Float) -> dict[str, float]:
     if model.measures is None:
         return {}
     known = np.isfinite(observed).all(axis=1)

@@ -9,17 +9,22 @@ from functools import partial
 import numpy as np
 
 from ..data import Float
-from ..engine import Problem, candidates_of
-from ..engine.candidates import RESIDUAL
-from ..fitting import Free, Noise, Series, filter_all, trial_values
+from ..engine import CauseSearchProblem, candidates_of
+from ..engine.candidates import RESIDUAL_EFFECT_KIND
+from ..fitting import FreeParameter, Noise, TrialSeries, filter_all, trial_parameter_vector
 from ..fitting.filtering import disturbance_slots
-from ..integrate import CompiledSystem, compiled
+from ..integrate import CompiledSystem, compile_system
 from .diagnosis import divergence_error
 from .model import Model
 from .recording_faults import median_interval_s
 from .recording_warnings import time_unit_warnings
 from .sampling import MIN_SAMPLES_PER_BLOCK, block_rate_hz
-from .stepping import MAX_LOG_LIKELIHOOD_CHANGE, fastest_rates_per_s, longest_step_s, step_error
+from .stepping import (
+    MAX_LOG_LIKELIHOOD_CHANGE,
+    fastest_rates_per_s,
+    log_likelihood_change_by_step,
+    longest_step_s,
+)
 from .system_assembly import AssembledSystem, assemble_system, scaled_variables
 from .trials import Trial, cut_trials, series_of_trials
 
@@ -33,26 +38,26 @@ INITIAL_RANDOM_FORCES = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))
 
 
 @dataclass(frozen=True)
-class Prepared:
+class PreparedCauseSearch:
     """What the search needs and what is reported of it: problem, trials as cut, all series at the
     rate of the fit, steps and rates, sentences on the preparation.
     """
 
     model: Model
     assembly: AssembledSystem
-    problem: Problem
+    problem: CauseSearchProblem
     trials: tuple[Trial, ...]
-    series: tuple[Series, ...]
+    series: tuple[TrialSeries, ...]
     scales: dict[str, float]
     rate_hz: float
     step_s: float
     warnings: tuple[str, ...]
 
 
-def prepare(
+def prepare_cause_search(
     model: Model, trials: Sequence[Trial], names: Sequence[str], progress: Callable[[str], None]
-) -> Prepared:
-    """`Prepared` with the candidates of these names and all residual terms."""
+) -> PreparedCauseSearch:
+    """`PreparedCauseSearch` with the candidates of these names and all residual terms."""
     progress("time constants")
     warnings: list[str] = []
     trials, cut = _cut_few_trials(trials)
@@ -64,29 +69,30 @@ def prepare(
     rate = fit_rate_hz(model, trials)
     model = with_correlation_over_a_frame(model, max(1.0 / rate, median_interval_s(trials)))
     assembly = assemble_system(model, hold=not np.isfinite(rate))
-    kernel = compiled(assembly.system)
+    kernel = compile_system(assembly.system)
     base, free = assembly.system.values({}), free_coefficients(model, trials)
     series = series_of_trials(model, assembly, trials, scales, rate)
     noise = initial_noise(kernel, series, base)
     if noise is None:
         raise divergence_error(model, trials)
-    fastest = partial(max_rate_per_s, kernel, series, base, noise=noise)
+    fastest = partial(fastest_dynamics_rate_per_s, kernel, series, base, noise=noise)
     warnings += time_unit_warnings(trials, fastest(names=()))
     step = longest_step_s(fastest(names=names))
     force = {c: float(np.median(noise.disturbance[k])) for k, c in enumerate(model.channels)}
     assembly = assemble_system(model, force_scale=force, step_s=step, hold=not np.isfinite(rate))
-    kernel = compiled(assembly.system)
+    kernel = compile_system(assembly.system)
     series = series_of_trials(model, assembly, trials, scales, rate)
-    named = [*names, *([RESIDUAL] if assembly.residual_sources else [])]
-    problem = Problem(
+    named = [*names, *([RESIDUAL_EFFECT_KIND] if assembly.residual_sources else [])]
+    problem = CauseSearchProblem(
         kernel=kernel, series=tuple(series), base=base, coefficients=free,
         candidates=candidates_of(assembly.system, named, assembly.priors,
                                  assembly.residual_sources),
         noise=replace(noise, trial_effects=tuple(model.varies)), progress=progress,
         most_causes=MAX_CAUSES_PER_SET,
     )  # fmt: skip
-    return Prepared(model, assembly, problem, tuple(trials), tuple(series), scales, rate, step,
-                    tuple(warnings))  # fmt: skip
+    return PreparedCauseSearch(
+        model, assembly, problem, tuple(trials), tuple(series), scales, rate, step, tuple(warnings)
+    )
 
 
 def with_correlation_over_a_frame(model: Model, frame_s: float) -> Model:
@@ -109,12 +115,16 @@ def _cut_few_trials(trials: Sequence[Trial]) -> tuple[Sequence[Trial], int]:
     return (cut_trials(trials, count), len(trials)) if count > 1 else (trials, 0)
 
 
-def free_coefficients(model: Model, trials: Sequence[Trial]) -> tuple[Free, ...]:
+def free_coefficients(model: Model, trials: Sequence[Trial]) -> tuple[FreeParameter, ...]:
     """The model's own numbers; of those per group, one for each."""
     groups = sorted({t.group for t in trials})
-    out: list[Free] = []
+    out: list[FreeParameter] = []
     for p in model.coefficients:
-        own = [Free(p.name, g) for g in groups] if p.name in model.per_group else [Free(p.name)]
+        own = (
+            [FreeParameter(p.name, g) for g in groups]
+            if p.name in model.per_group
+            else [FreeParameter(p.name)]
+        )
         out += own
     return tuple(out)
 
@@ -160,13 +170,15 @@ def fit_rate_hz(model: Model, trials: Sequence[Trial]) -> float:
     return block_rate_hz([t.times for t in trials], rate)
 
 
-def stated_std(series: Sequence[Series]) -> Float:
+def stated_std(series: Sequence[TrialSeries]) -> Float:
     """Stated standard deviation (observations,) of trials: the median over them."""
     variances = [np.diagonal(s.noise, axis1=1, axis2=2).mean(axis=0) for s in series]
     return np.asarray(np.sqrt(np.median(variances, axis=0)))
 
 
-def initial_noise(kernel: CompiledSystem, series: Sequence[Series], base: Float) -> Noise | None:
+def initial_noise(
+    kernel: CompiledSystem, series: Sequence[TrialSeries], base: Float
+) -> Noise | None:
     """Initial estimate of the random part: the likeliest of `INITIAL_RANDOM_FORCES`,
     errors that last as large as the stated ones. None where the model runs away with all of them.
     """
@@ -176,7 +188,7 @@ def initial_noise(kernel: CompiledSystem, series: Sequence[Series], base: Float)
     tau = np.array([p.start for e in every for p in e.parameters[1:]])
     slots = disturbance_slots(kernel)
     std = stated_std(series)
-    points = [trial_values(kernel, base, (), np.zeros(0), s.group) for s in series]
+    points = [trial_parameter_vector(kernel, base, (), np.zeros(0), s.group) for s in series]
 
     def noise(size: float) -> Noise:
         errors = std[: len(slots) - pushed]
@@ -193,9 +205,9 @@ def initial_noise(kernel: CompiledSystem, series: Sequence[Series], base: Float)
     return noise(best) if np.isfinite(found[best]) else None
 
 
-def max_rate_per_s(
+def fastest_dynamics_rate_per_s(
     kernel: CompiledSystem,
-    series: Sequence[Series],
+    series: Sequence[TrialSeries],
     base: Float,
     *,
     noise: Noise,
@@ -216,14 +228,15 @@ def max_rate_per_s(
 
 
 def step_error_and_warning(
-    given: Prepared, values: Sequence[Float], noise: Noise
+    given: PreparedCauseSearch, values: Sequence[Float], noise: Noise
 ) -> tuple[float, str]:
     """Effect of half the integration step on the log likelihood, and a warning where it matters."""
     finer = assemble_system(
         given.model, step_s=0.5 * given.step_s, hold=not np.isfinite(given.rate_hz)
     )
-    change = step_error(given.problem.kernel, compiled(finer.system), given.problem.series, values,
-                        noise)  # fmt: skip
+    change = log_likelihood_change_by_step(
+        given.problem.kernel, compile_system(finer.system), given.problem.series, values, noise
+    )
     if change <= MAX_LOG_LIKELIHOOD_CHANGE:
         return change, ""
     return change, (f"Half the integration step ({given.step_s:.3g} s) changes the log likelihood "

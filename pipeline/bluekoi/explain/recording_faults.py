@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..data import Float
-from ..errors import Finding
+from ..errors import InputIssue
 
 if TYPE_CHECKING:
     from .trials import Trial
@@ -27,28 +27,28 @@ def median_interval_s(trials: Sequence[Trial]) -> float:
     return float(np.median([np.median(np.diff(t.times)) for t in trials]))
 
 
-def come_in_groups(times: Float) -> bool:
+def has_grouped_sampling(times: Float) -> bool:
     """Whether most samples (n,) of a recording are far closer than they are on average."""
     steps = np.diff(times)
     return bool(np.median(steps) < MIN_USUAL_STEP_SHARE * steps.mean())
 
 
-def gaps(times: Float) -> np.ndarray:
+def samples_after_gaps(times: Float) -> np.ndarray:
     """Samples before which a recording pauses; none where its times come in groups."""
     steps = np.diff(times)
-    if come_in_groups(times):
+    if has_grouped_sampling(times):
         return np.zeros(0, dtype=int)
     return np.flatnonzero(steps > MAX_UNREPORTED_GAP_INTERVALS * np.median(steps)) + 1
 
 
-def duplicate_recordings(trials: Sequence[Trial]) -> list[Finding]:
+def duplicate_recordings(trials: Sequence[Trial]) -> list[InputIssue]:
     """Trials that hold the samples of a trial before: evidence must not count twice."""
     out = []
     for k, t in enumerate(trials):
         first = next((o for o in trials[:k] if _has_same_samples(o, t)), None)
         if first is not None:
-            out.append(Finding(t.source or t.name, "", f"the samples of {first.name}",
-                               "a recording of its own", "Remove one of the two."))  # fmt: skip
+            out.append(InputIssue(t.source or t.name, "", f"the samples of {first.name}",
+                                  "a recording of its own", "Remove one of the two."))  # fmt: skip
     return out
 
 
@@ -61,7 +61,7 @@ def _has_same_samples(a: Trial, b: Trial) -> bool:
     return moved and all(np.array_equal(x, y, equal_nan=True) for x, y in pairs)
 
 
-def spike_findings(file: str, name: str, column: Float) -> list[Finding]:
+def spike_findings(file: str, name: str, column: Float) -> list[InputIssue]:
     """The sample of an observation that lies far beyond all others, such as a code for nothing
     seen.
     """
@@ -84,10 +84,10 @@ def spike_findings(file: str, name: str, column: Float) -> list[Finding]:
     return [_spike_finding(file, name, int(rows[k]), float(x[k]), x[~far])]
 
 
-def _spike_finding(file: str, name: str, sample: int, value: float, others: Float) -> Finding:
-    return Finding(file, f"{name}, sample {sample}", f"{value:g}",
-                   f"a value near the others, {others.min():g} to {others.max():g}",
-                   "Leave the cell empty where nothing was seen.")  # fmt: skip
+def _spike_finding(file: str, name: str, sample: int, value: float, others: Float) -> InputIssue:
+    return InputIssue(file, f"{name}, sample {sample}", f"{value:g}",
+                      f"a value near the others, {others.min():g} to {others.max():g}",
+                      "Leave the cell empty where nothing was seen.")  # fmt: skip
 
 
 def _repeated_code(x: Float) -> float | None:

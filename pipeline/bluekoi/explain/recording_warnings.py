@@ -12,15 +12,15 @@ from .model import Model
 from .recording_faults import (
     MIN_SPIKE_DISTANCE_RANGES,
     MIN_SPIKE_SAMPLES,
-    come_in_groups,
-    gaps,
+    has_grouped_sampling,
     median_interval_s,
+    samples_after_gaps,
 )
 
 if TYPE_CHECKING:
     from .trials import Trial
 
-GAP_IN_INPUTS = (
+GAP_IN_INPUTS_MESSAGE = (
     " Inputs over the gap are not known: the parts before and after it are fitted apart."
 )
 MAX_SENTENCES_OF_A_KIND = 3
@@ -34,29 +34,29 @@ MIN_STUCK_SAMPLES, MIN_STUCK_RUNS, MIN_ENTERING_STEP_SHARE = 5, 2, 0.5
 the step into it is this share of the usual step or more. A body that comes to rest slows down."""
 
 
-def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
+def unusual_recording_warnings(model: Model, trials: Sequence[Trial]) -> list[str]:
     """Sentences on what is unusual in trials but may be right."""
     pauses, still, stuck = [], [], []
     for t in trials:
         steps = np.diff(t.times)
         usual = float(np.median(steps))
-        if come_in_groups(t.times):
+        if has_grouped_sampling(t.times):
             pauses.append(
                 f"{t.name}: times come in groups: most samples are {usual:.2g} s apart, on average "
                 f"{steps.mean():.2g} s. Were the times rounded, or sent in packets?"
             )
-        elif len(gaps(t.times)):
+        elif len(samples_after_gaps(t.times)):
             at = t.times[steps.argmax()]
             pauses.append(
                 f"{t.name}: a gap of {steps.max():.3g} s at {at:.3g} s; "
                 f"samples are {usual:.3g} s apart."
-                f"{GAP_IN_INPUTS if model.inputs else ''}"
+                f"{GAP_IN_INPUTS_MESSAGE if model.inputs else ''}"
             )
         for name, column in t.observed.items():
             known = column[np.isfinite(column)]
             if np.ptp(known) == 0:
                 still.append(f"{t.name}: {name} does not change.")
-            stuck += [f"{t.name}: {text}" for text in stuck_sentences(name, t.times, column)]
+            stuck += [f"{t.name}: {text}" for text in stuck_sensor_warnings(name, t.times, column)]
     out = [text for kind in (pauses, still, stuck) for text in _first_of(kind)]
     for i in model.inputs:
         columns = [t.inputs[i.name] for t in trials]
@@ -106,7 +106,7 @@ def _first_of(sentences: Sequence[str]) -> list[str]:
     ]
 
 
-def stuck_sentences(name: str, times: Float, column: Float) -> list[str]:
+def stuck_sensor_warnings(name: str, times: Float, column: Float) -> list[str]:
     """A sentence where an observation stops in mid-motion at one value, again and again or after a
     jump: a saturated sensor, or a value that stands for nothing seen.
     """

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from ..engine import NamedCause
-from ..engine.naming import UNEXPLAINED
+from ..engine.naming import UNLISTED_FORCE_LABEL
 from ..fitting import MAX_OVERDISPERSION
 from .cause_search import CauseSearchResult
-from .numbers import Number
+from .numbers import FittedNumber
 from .prediction import Predicted
 
 MIN_RIVAL_PROBABILITY = 0.02
@@ -29,7 +29,7 @@ def explanation_json(found: CauseSearchResult) -> dict[str, Any]:
         "sentence": verdict_sentence(found),
         "causes": causes_json(found),
         "rivals": rivals_json(found),
-        "probabilities": {**found.probabilities, UNEXPLAINED: found.unexplained},
+        "probabilities": {**found.probabilities, UNLISTED_FORCE_LABEL: found.unexplained},
         "held_out": {
             "trials": list(held.trials),
             "baseline": _finite_values(held.baseline),
@@ -75,7 +75,7 @@ def verdict_sentence(found: CauseSearchResult) -> str:
         return "No mismatch beyond the noise: no candidate has a probability above 1/2."
     said = [f"{c.name} ({c.probability:.2f}{_or_others(c)}): "
             f"{found.model.by_name[c.name].statement}" for c in found.named]  # fmt: skip
-    if found.verdict == UNEXPLAINED:
+    if found.verdict == UNLISTED_FORCE_LABEL:
         said.append(f"A force acts that no candidate describes ({found.unexplained:.2f}).")
     return " ".join(said)
 
@@ -158,7 +158,7 @@ def _sets_json(found: CauseSearchResult) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def _numbers_json(given: Sequence[Number]) -> dict[str, dict[str, Any]]:
+def _numbers_json(given: Sequence[FittedNumber]) -> dict[str, dict[str, Any]]:
     return {
         n.label: {
             "value": n.value,

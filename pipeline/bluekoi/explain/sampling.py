@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import solveh_banded
 
 from ..data import Float
-from ..fitting import Series
+from ..fitting import TrialSeries
 
 MIN_SAMPLES_PER_BLOCK = 5
 """Blocks of fewer samples are not averaged."""
@@ -30,7 +30,7 @@ def _samples_per_block(times: Float, rate_hz: float) -> int:
     return int(1.0 / (rate_hz * step) + 1e-6) if np.isfinite(rate_hz) else 1
 
 
-def averaged_to_rate(series: Series, rate_hz: float, held: Sequence[bool]) -> Series:
+def averaged_to_rate(series: TrialSeries, rate_hz: float, held: Sequence[bool]) -> TrialSeries:
     """A series at about `rate_hz`; itself where that is infinite.
 
     held (inputs,): whether an input keeps its value until the next sample.
@@ -60,7 +60,7 @@ def averaged_to_rate(series: Series, rate_hz: float, held: Sequence[bool]) -> Se
     return replace(series, times=times, seen=seen, noise=noise, inputs=inputs)
 
 
-def _block_midpoint(series: Series, part: np.ndarray, time: float) -> tuple[Float, Float]:
+def _block_midpoint(series: TrialSeries, part: np.ndarray, time: float) -> tuple[Float, Float]:
     """Observations (o,) and their covariance (o, o) in the middle of a block."""
     count = series.seen.shape[1]
     seen, factor = np.full(count, np.nan), np.ones(count)

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..data import Float
-from ..fitting import FilterResults, Noise, Series, filter_all
+from ..fitting import FilterResults, Noise, TrialSeries, filter_all
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import in_lanes, propagate
+from ..integrate.batch import in_lanes, simulate_batch
 
 RATE_INTERVAL_S, STATE_DIFFERENCE = 1e-6, 1e-4
 """Interval over which a rate is taken, s, and difference of a state in its standard deviations."""
@@ -42,7 +42,7 @@ def fastest_rates_per_s(
 
 
 def jacobians(
-    kernel: CompiledSystem, one: Series, states: Float, values: Float, frames: np.ndarray
+    kernel: CompiledSystem, one: TrialSeries, states: Float, values: Float, frames: np.ndarray
 ) -> Float:
     """Slopes (frames, own states, own states) of the rates of change by the model's own states."""
     own = len(kernel.system.states)
@@ -53,7 +53,7 @@ def jacobians(
         lanes = in_lanes(states)
         for lane, k in enumerate(columns, start=1):
             lanes[:, k, lane] += STATE_DIFFERENCE
-        _, after = propagate(
+        _, after = simulate_batch(
             kernel, lanes, *fixed,
             times=one.times[frames, None] + np.array([0.0, RATE_INTERVAL_S]), keep_states=True,
             inputs=np.repeat(one.inputs[frames, None], 2, axis=1), step_s=1.0,
@@ -69,10 +69,10 @@ def longest_step_s(rate_per_s: float) -> float:
     return float(min(LONGEST_STEP_S, STEP_PER_TIME_CONSTANT / max(rate_per_s, 1e-9)))
 
 
-def step_error(
+def log_likelihood_change_by_step(
     coarse: CompiledSystem,
     fine: CompiledSystem,
-    series: Sequence[Series],
+    series: Sequence[TrialSeries],
     values: Sequence[Float],
     noise: Noise,
 ) -> float:

@@ -14,11 +14,18 @@ from types import ModuleType
 import numpy as np
 
 from ..engine import Priors
-from ..engine.candidates import RESIDUAL, Sources
+from ..engine.candidates import RESIDUAL_EFFECT_KIND, ChannelVariablePairs
 from ..files import write_text
 from ..integrate import Effect, Parameter, System, kernel_folder
 from ..integrate.compiled_system import load_source
-from .model import OBSERVE_STAGE, Cause, Model, arguments, channels_of, variables_of
+from .model import (
+    OBSERVE_STAGE,
+    Cause,
+    Model,
+    channels_of_cause,
+    names_of_arguments,
+    variables_of_cause,
+)
 
 RANDOM_FORCE, COLOURED_ERROR = "random_force", "lasting_error"
 """Names of the effects that are present in every filter: random forces, lasting errors of the
@@ -45,7 +52,7 @@ class AssembledSystem:
     """A system, the sources of its residual terms, and the priors of its causes."""
 
     system: System
-    residual_sources: Mapping[str, Sources]
+    residual_sources: Mapping[str, ChannelVariablePairs]
     priors: Priors
 
 
@@ -74,8 +81,11 @@ def assemble_system(
         step_s=step_s,
     )
     known = {c.name: c.prior for c in model.causes if np.isfinite(c.prior)}
-    return AssembledSystem(system, {f"{RESIDUAL}.{t.name}": frozenset({(t.channel, t.variable)})
-                             for t in terms}, Priors(likely=known))  # fmt: skip
+    return AssembledSystem(
+        system,
+        {f"{RESIDUAL_EFFECT_KIND}.{t.name}": frozenset({(t.channel, t.variable)}) for t in terms},
+        Priors(likely=known),
+    )
 
 
 def scaled_variables(model: Model) -> tuple[str, ...]:
@@ -122,7 +132,7 @@ def _has_same_force(model: Model, cause: Cause, term: ResidualTerm) -> bool:
     if stage is None or set(cause.hooks) != {stage.name} or cause.strengths != 1 or cause.rates:
         return False
     strength, function = cause.parameters[0].argument, cause.hooks[stage.name]
-    names = arguments(function)
+    names = names_of_arguments(function)
     if not set(names) <= {strength, term.variable} or len(cause.parameters) > 1:
         return False
     rng, ratios = np.random.default_rng(1), []
@@ -216,11 +226,20 @@ def _random_effects(model: Model, module: ModuleType) -> list[Effect]:
 def _cause_effect(model: Model, cause: Cause) -> Effect:
     first = next(iter(cause.hooks.values()))
     return Effect(
-        cause.name, cause.kind, cause.statement, tuple(cause.parameters), dict(cause.hooks),
-        first.__module__, channels_of(model, cause), variables_of(model, cause), cause.states,
-        cause.rates, evidence=dict(cause.evidence), regime=cause.regime,
+        cause.name,
+        cause.kind,
+        cause.statement,
+        tuple(cause.parameters),
+        dict(cause.hooks),
+        first.__module__,
+        channels_of_cause(model, cause),
+        variables_of_cause(model, cause),
+        cause.states,
+        cause.rates,
+        evidence=dict(cause.evidence),
+        regime=cause.regime,
         strengths=cause.strengths,
-    )  # fmt: skip
+    )
 
 
 def _residual_effect(
@@ -233,7 +252,14 @@ def _residual_effect(
         )
 
     assert model.force is not None
-    return Effect(RESIDUAL, RESIDUAL, "A force that no candidate describes.",
-                  tuple(strength(t) for t in terms), {model.force.name: module.residual},
-                  module.__name__, model.channels, scaled_variables(model),
-                  strengths=len(terms))  # fmt: skip
+    return Effect(
+        RESIDUAL_EFFECT_KIND,
+        RESIDUAL_EFFECT_KIND,
+        "A force that no candidate describes.",
+        tuple(strength(t) for t in terms),
+        {model.force.name: module.residual},
+        module.__name__,
+        model.channels,
+        scaled_variables(model),
+        strengths=len(terms),
+    )

@@ -8,7 +8,7 @@ import numpy as np
 
 from .cause_search import CauseSearchResult
 from .model import Model
-from .numbers import Number
+from .numbers import FittedNumber
 from .prediction import Predicted
 from .results_json import residual_term_probabilities, rivals_json, verdict_sentence
 
@@ -54,7 +54,7 @@ def cause_rows(found: CauseSearchResult) -> list[tuple[str, ...]]:
     return out
 
 
-def number_with_std(number: Number) -> str:
+def number_with_std(number: FittedNumber) -> str:
     """A number with its deviation and unit, and whether it stands at a bound."""
     label = number.label if "@" in number.label else number.label.split(".", 1)[-1]
     if number.at_bound:

@@ -9,10 +9,10 @@ from itertools import pairwise
 import numpy as np
 
 from ..data import Float
-from ..errors import Finding, InputError, did_you_mean, input_error
-from ..fitting import Series
+from ..errors import InputError, InputIssue, did_you_mean, input_error
+from ..fitting import TrialSeries
 from .model import Model
-from .recording_faults import duplicate_recordings, gaps, spike_findings
+from .recording_faults import duplicate_recordings, samples_after_gaps, spike_findings
 from .sampling import averaged_to_rate
 from .system_assembly import AssembledSystem, scale_names
 
@@ -56,34 +56,36 @@ def validated_trials(model: Model, trials: Sequence[Trial]) -> list[Trial]:
     findings = [f for t in trials for f in _trial_findings(model, t)]
     names = [t.name for t in trials]
     twice = sorted({n for n in names if names.count(n) > 1})
-    findings += [Finding(n, "name", "two trials of that name", "a name for each trial")
+    findings += [InputIssue(n, "name", "two trials of that name", "a name for each trial")
                  for n in twice]  # fmt: skip
     if not trials:
-        findings.append(Finding("trials", "", "no trial", "one trial at least"))
+        findings.append(InputIssue("trials", "", "no trial", "one trial at least"))
     if not findings and all(t.role == HELD_OUT_ROLE for t in trials):
-        findings.append(Finding("trials", "role", "all trials held out", "a trial to fit"))
+        findings.append(InputIssue("trials", "role", "all trials held out", "a trial to fit"))
     findings = findings or duplicate_recordings(trials)
     if findings:
         raise InputError(findings)
     return [_with_unwrapped_angles(model, t) for t in trials]
 
 
-def _trial_findings(model: Model, trial: Trial) -> list[Finding]:
+def _trial_findings(model: Model, trial: Trial) -> list[InputIssue]:
     """All that is wrong with a trial."""
     file, out = trial.source or trial.name, []
     times = np.asarray(trial.times, dtype=float)
     if times.ndim != 1:
-        return [Finding(file, "times", f"shape {times.shape}", "one dimension")]
+        return [InputIssue(file, "times", f"shape {times.shape}", "one dimension")]
     if len(times) < MIN_SAMPLES:
-        return [Finding(file, "times", f"{len(times)} samples", f"{MIN_SAMPLES} samples or more")]
+        return [
+            InputIssue(file, "times", f"{len(times)} samples", f"{MIN_SAMPLES} samples or more")
+        ]
     if not np.isfinite(times).all():
         row = int(np.flatnonzero(~np.isfinite(times))[0])
-        out.append(Finding(file, f"time, sample {row}", f"{times[row]}", "finite times"))
+        out.append(InputIssue(file, f"time, sample {row}", f"{times[row]}", "finite times"))
     elif np.any(np.diff(times) <= 0):
         row = int(np.flatnonzero(np.diff(times) <= 0)[0]) + 1
-        out.append(Finding(file, f"time, sample {row}",
-                           f"{times[row]:g} s after {times[row - 1]:g} s", "increasing times",
-                           "Sort the rows and remove repeated ones."))  # fmt: skip
+        out.append(InputIssue(file, f"time, sample {row}",
+                              f"{times[row]:g} s after {times[row - 1]:g} s", "increasing times",
+                              "Sort the rows and remove repeated ones."))  # fmt: skip
     out += _name_findings(file, "input", trial.inputs, [i.name for i in model.inputs])
     out += _name_findings(file, "observation", trial.observed, [o.name for o in model.observations])
     required = [c.name for c in model.constants if not np.isfinite(c.value)]
@@ -96,46 +98,48 @@ def _trial_findings(model: Model, trial: Trial) -> list[Finding]:
                                 missing=name in trial.observed)  # fmt: skip
     out += [f for o in model.observations if o.angle and not out
             for f in _degree_jumps(file, o.name, np.asarray(trial.observed[o.name]))]  # fmt: skip
-    out += [Finding(file, f"constant {n}", f"{v}", "a finite number")
+    out += [InputIssue(file, f"constant {n}", f"{v}", "a finite number")
             for n, v in trial.constants.items() if not np.isfinite(v)]  # fmt: skip
     if trial.role not in (FIT_ROLE, HELD_OUT_ROLE):
-        out.append(Finding(file, "role", f"'{trial.role}'", f"'{FIT_ROLE}' or '{HELD_OUT_ROLE}'"))
+        out.append(
+            InputIssue(file, "role", f"'{trial.role}'", f"'{FIT_ROLE}' or '{HELD_OUT_ROLE}'")
+        )
     known = {n for c in model.causes for n in c.evidence}
-    out += [Finding(file, "evidence", f"'{n}'", "a side measurement of a cause",
-                    did_you_mean(n, known) if known else "The model has none.")
+    out += [InputIssue(file, "evidence", f"'{n}'", "a side measurement of a cause",
+                       did_you_mean(n, known) if known else "The model has none.")
             for n in trial.evidence if n not in known]  # fmt: skip
     return out
 
 
-def _degree_jumps(file: str, name: str, column: Float) -> list[Finding]:
+def _degree_jumps(file: str, name: str, column: Float) -> list[InputIssue]:
     """An angle that jumps by a turn of degrees."""
     jumps = np.abs(np.diff(column))
     if not np.any(jumps > MIN_JUMP_IN_DEGREES):
         return []
     row = int(np.nanargmax(jumps)) + 1
-    return [Finding(file, f"{name}, sample {row}", f"a jump by {jumps[row - 1]:.0f} rad",
-                    "an angle in rad, which jumps by one turn of 6.28 at most",
-                    "If the column is in degrees, say unit: deg.")]  # fmt: skip
+    return [InputIssue(file, f"{name}, sample {row}", f"a jump by {jumps[row - 1]:.0f} rad",
+                       "an angle in rad, which jumps by one turn of 6.28 at most",
+                       "If the column is in degrees, say unit: deg.")]  # fmt: skip
 
 
 def _name_findings(
     file: str, what: str, given: Mapping[str, object], known: Sequence[str],
     required: Sequence[str] | None = None,
-) -> list[Finding]:  # fmt: skip
+) -> list[InputIssue]:  # fmt: skip
     a = "an" if what[0] in "aeiou" else "a"
-    out = [Finding(file, what, f"'{n}'", f"{a} {what} of the model",
-                   did_you_mean(n, known) if known else f"The model has no {what}.")
+    out = [InputIssue(file, what, f"'{n}'", f"{a} {what} of the model",
+                      did_you_mean(n, known) if known else f"The model has no {what}.")
             for n in given if n not in known]  # fmt: skip
     lacking = [n for n in (known if required is None else required) if n not in given]
-    return out + [Finding(file, what, f"no '{n}'", f"a value for each {what} of the model",
-                          "Name its column in data.yaml.") for n in lacking]  # fmt: skip
+    return out + [InputIssue(file, what, f"no '{n}'", f"a value for each {what} of the model",
+                             "Name its column in data.yaml.") for n in lacking]  # fmt: skip
 
 
 def _column_findings(
     file: str, name: str, column: Float, count: int, *, missing: bool
-) -> list[Finding]:
+) -> list[InputIssue]:
     if column.shape != (count,):
-        return [Finding(file, name, f"shape {column.shape}", f"({count},), as times")]
+        return [InputIssue(file, name, f"shape {column.shape}", f"({count},), as times")]
     bad = np.isinf(column) | (np.abs(column) > MAX_VALUE)
     if not missing:
         bad |= np.isnan(column)
@@ -143,10 +147,10 @@ def _column_findings(
         row = int(np.flatnonzero(bad)[0])
         what = "finite values, empty cells where nothing was seen" if missing else (
             "a finite value in every row: an input acts all the time")  # fmt: skip
-        return [Finding(file, f"{name}, sample {row}", f"{column[row]}", what)]
+        return [InputIssue(file, f"{name}, sample {row}", f"{column[row]}", what)]
     if missing and np.isfinite(column).sum() < MIN_SAMPLES:
-        return [Finding(file, name, f"{int(np.isfinite(column).sum())} values",
-                        f"{MIN_SAMPLES} or more that are not missing")]  # fmt: skip
+        return [InputIssue(file, name, f"{int(np.isfinite(column).sum())} values",
+                           f"{MIN_SAMPLES} or more that are not missing")]  # fmt: skip
     return spike_findings(file, name, column) if missing else []
 
 
@@ -168,7 +172,7 @@ def _with_unwrapped_angles(model: Model, trial: Trial) -> Trial:
 def series_of_trials(
     model: Model, assembly: AssembledSystem, trials: Sequence[Trial], scales: Mapping[str, float],
     rate_hz: float,
-) -> list[Series]:  # fmt: skip
+) -> list[TrialSeries]:  # fmt: skip
     """Trials as the filter has them, at no more than `rate_hz`."""
     held = [i.held for i in model.inputs]
     return [averaged_to_rate(series_of(model, assembly, t, scales), rate_hz, held) for t in trials]
@@ -176,24 +180,24 @@ def series_of_trials(
 
 def series_of(
     model: Model, assembly: AssembledSystem, trial: Trial, scales: Mapping[str, float]
-) -> Series:
+) -> TrialSeries:
     """A trial as the filter has it, at its own rate."""
     system, n = assembly.system, len(trial.times)
     seen = np.column_stack([trial.observed[o.name] for o in model.observations])
     inputs = np.column_stack([trial.inputs[i.name] for i in model.inputs] or [np.zeros((n, 0))])
     constants = [trial.constants.get(c.name, c.value) for c in model.constants]
     constants += [scales.get(name, 1.0) for name in scale_names(model)]
-    mean, cov = start_of_trial(model, assembly, trial.times, seen)
+    mean, cov = initial_state_mean_and_cov(model, assembly, trial.times, seen)
     for name, value in trial.start.items():
         mean[system.states.index(name)] = value
     noise = np.diag([o.std for o in model.observations]) ** 2
     assert len(mean) == len(system.all_states)
-    return Series(trial.name, trial.group, trial.condition, trial.times, inputs,
-                  np.array(constants, dtype=float), seen, np.tile(noise, (n, 1, 1)), mean, cov,
-                  dict(trial.evidence))  # fmt: skip
+    return TrialSeries(trial.name, trial.group, trial.condition, trial.times, inputs,
+                       np.array(constants, dtype=float), seen, np.tile(noise, (n, 1, 1)), mean, cov,
+                       dict(trial.evidence))  # fmt: skip
 
 
-def start_of_trial(
+def initial_state_mean_and_cov(
     model: Model, assembly: AssembledSystem, times: Float, seen: Float
 ) -> tuple[Float, Float]:
     """Mean (states,) and covariance (states, states) before the first frame."""
@@ -233,7 +237,7 @@ def cut_at_gaps(model: Model, trials: Sequence[Trial]) -> list[Trial]:
     """
     out = []
     for t in trials:
-        edges = [0, *(gaps(t.times).tolist() if model.inputs else ()), len(t.times)]
+        edges = [0, *(samples_after_gaps(t.times).tolist() if model.inputs else ()), len(t.times)]
         parts = [(a, b) for a, b in pairwise(edges) if b - a >= MIN_PART_SAMPLES]
         if len(edges) == 2 or not parts:
             out.append(t)

@@ -1,10 +1,10 @@
 """Figures of a campaign, one file each; the folder is the registry.
 
-A figure module has TITLE, CAPTION (text for the report), REQUIRED_RESULTS (fields of `Campaign`
-without which nothing can be drawn) and `draw(campaign) -> Figure`. A module whose text depends on
-the campaign also has `title_and_caption(campaign)`; one that may have nothing to draw also has
-`reason_unavailable(campaign)`, the reason or an empty string. Code shared by several figures is in
-`drawing`.
+A figure module has FIGURE_TITLE, FIGURE_CAPTION (text for the report), REQUIRED_RESULTS (fields of
+`Campaign` without which nothing can be drawn) and `render_figure(campaign) -> Figure`. A module
+whose text depends on the campaign also has `title_and_caption(campaign)`; one that may have
+nothing to draw also has `reason_unavailable(campaign)`, the reason or an empty string. Code shared
+by several figures is in `drawing`.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ from .drawing.style import RC_PARAMS, placeholder_figure
 
 __all__ = [
     "Campaign",
-    "caption",
     "draw",
     "draw_file",
+    "figure_caption",
     "figure_names",
+    "figure_title",
     "load_campaign",
     "missing_results",
-    "title",
 ]
 
-REQUIREMENTS = {
+RESULT_DESCRIPTIONS = {
     "tracks": "tracks of the trials",
     "steady": "steady speeds and radii",
     "coefficients": "fitted coefficients",
@@ -65,12 +65,12 @@ def figure_names() -> tuple[str, ...]:
     return tuple(sorted(found))
 
 
-def title(name: str, campaign: Campaign | None = None) -> str:
+def figure_title(name: str, campaign: Campaign | None = None) -> str:
     """Title of a figure, adapted to the campaign if one is given."""
     return _title_and_caption(name, campaign)[0]
 
 
-def caption(name: str, campaign: Campaign | None = None) -> str:
+def figure_caption(name: str, campaign: Campaign | None = None) -> str:
     """Caption of a figure, adapted to the campaign if one is given."""
     return _title_and_caption(name, campaign)[1]
 
@@ -80,21 +80,21 @@ def _title_and_caption(name: str, campaign: Campaign | None) -> tuple[str, str]:
     if campaign is not None and hasattr(module, "title_and_caption"):
         heading, text = module.title_and_caption(campaign)
         return str(heading), str(text)
-    return str(module.TITLE), str(module.CAPTION)
+    return str(module.FIGURE_TITLE), str(module.FIGURE_CAPTION)
 
 
 def missing_results(name: str, campaign: Campaign) -> tuple[str, ...]:
     """Descriptions of the results that the figure needs and the campaign lacks."""
     needs = _figure_module(name).REQUIRED_RESULTS
-    return tuple(REQUIREMENTS[need] for need in needs if not getattr(campaign, need))
+    return tuple(RESULT_DESCRIPTIONS[need] for need in needs if not getattr(campaign, need))
 
 
 def draw(name: str, campaign: Campaign) -> Figure:
     """The figure, or a placeholder that names the missing results."""
     with matplotlib.rc_context(RC_PARAMS):
         if reason := _missing_results_text(name, campaign):
-            return placeholder_figure(title(name, campaign), f"Not drawn: {reason}")
-        figure: Figure = _figure_module(name).draw(campaign)
+            return placeholder_figure(figure_title(name, campaign), f"Not drawn: {reason}")
+        figure: Figure = _figure_module(name).render_figure(campaign)
         return figure
 
 
@@ -104,7 +104,10 @@ def draw_file(name: str, campaign: Campaign, path_png: str | Path, path_pdf: str
     The png carries title and caption as metadata, and in `Comment` the results that were missing.
     """
     figure = draw(name, campaign)
-    metadata = {"Title": title(name, campaign), "Description": caption(name, campaign)}
+    metadata = {
+        "Title": figure_title(name, campaign),
+        "Description": figure_caption(name, campaign),
+    }
     if reason := _missing_results_text(name, campaign):
         metadata["Comment"] = reason
     with matplotlib.rc_context(RC_PARAMS):

@@ -15,8 +15,8 @@ from .drawing.groups import ConditionMean
 from .drawing.pool import draw_pool, draw_robots
 from .drawing.style import Z_95, Style, panel_letter, placeholder, power_styles
 
-TITLE = "Straight speeds and turn radii"
-CAPTION = (
+FIGURE_TITLE = "Straight speeds and turn radii"
+FIGURE_CAPTION = (
     "(A) A straight run: path of the centre of mass, and the robot (head orange). (B) Speed over "
     "time of all straight runs, one row per head length; band: 95 % of the smoothed speed; "
     "dashed line: mean steady speed. (C) Means of B with standard deviations over repeats. (D) A "
@@ -28,9 +28,9 @@ CAPTION = (
 REQUIRED_RESULTS = ("tracks", "steady")
 
 
-def draw(campaign: Campaign) -> Figure:
+def render_figure(campaign: Campaign) -> Figure:
     """Panels A to F of the paper's Figure 3."""
-    styles = power_styles(groups.powers(campaign))
+    styles = power_styles(groups.motor_powers_pct(campaign))
     figure = Figure(figsize=(max(12.0, 5.5 + 2.2 * len(styles)), 7.4), layout="constrained")
     rows = figure.add_gridspec(2, 1, height_ratios=(1.5, 1))
     upper = rows[0].subgridspec(1, 3, width_ratios=(1.25, 0.85 * max(2, len(styles)), 0.95))

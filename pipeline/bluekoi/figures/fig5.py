@@ -12,12 +12,12 @@ from matplotlib.lines import Line2D
 from ..campaign import Campaign
 from ..study import Trial
 from .drawing import groups
-from .drawing.circles import LINE_STYLES, circle, equal_axes, measured_arc
-from .drawing.model_sweeps import PowerFit, fitted_powers, simulate_from_rest, turn_radius
+from .drawing.circles import LINE_STYLES, circle_points, equal_axes, measured_arc
+from .drawing.model_sweeps import FitAtPower, fits_at_tested_powers, simulate_from_rest, turn_radius
 from .drawing.style import BEFORE_COLOUR, MEASURED_COLOUR, panel_letter, placeholder
 
-TITLE = "The paper's three tuning steps at each power"
-CAPTION = (
+FIGURE_TITLE = "The paper's three tuning steps at each power"
+FIGURE_CAPTION = (
     "One row per power, each tuned separately as published. Step 1: straight speed from rest "
     "(solid: data, dashed: simulation). Step 2: steady turns with the 1x head at each head angle "
     "(thick: measured arc, thin: circle fitted to it, dashed: simulation; percentages: simulated "
@@ -27,9 +27,9 @@ REQUIRED_RESULTS = ("tracks", "steady", "coefficients")
 STEP_TITLES = ("step 1: straight speed", "step 2: turns, 1x head", "step 3: longer head, predicted")
 
 
-def draw(campaign: Campaign) -> Figure:
+def render_figure(campaign: Campaign) -> Figure:
     """Three panels per power."""
-    known, powers = fitted_powers(campaign), groups.powers(campaign)
+    known, powers = fits_at_tested_powers(campaign), groups.motor_powers_pct(campaign)
     figure = Figure(figsize=(10.5, 3.1 * len(powers) + 0.4), layout="constrained")
     panels = figure.subplots(len(powers), 3, squeeze=False)
     for row, (power, axes) in enumerate(zip(powers, panels, strict=True)):
@@ -61,7 +61,9 @@ def _longer_head_turns(campaign: Campaign, power: float) -> list[Trial]:
     ]
 
 
-def _draw_straight_step(axes: Axes, campaign: Campaign, power: float, row: PowerFit | None) -> None:
+def _draw_straight_step(
+    axes: Axes, campaign: Campaign, power: float, row: FitAtPower | None
+) -> None:
     mine = [
         t
         for t in groups.straight_trials(campaign)
@@ -83,7 +85,7 @@ def _draw_straight_step(axes: Axes, campaign: Campaign, power: float, row: Power
 
 
 def _draw_turn_step(
-    axes: Axes, campaign: Campaign, trials: list[Trial], row: PowerFit | None
+    axes: Axes, campaign: Campaign, trials: list[Trial], row: FitAtPower | None
 ) -> None:
     if not trials:
         placeholder(axes, "no turn of this kind at this power")
@@ -96,7 +98,9 @@ def _draw_turn_step(
             arc = measured_arc(campaign, trial)
             axes.plot(*arc.T, color=MEASURED_COLOUR, lw=2, gid=trial.trial_id)
         seen = float(np.mean([campaign.steady[t.trial_id].radius_m for t in mine]))
-        axes.plot(*circle(seen).T, color=MEASURED_COLOUR, lw=0.7, ls=LINE_STYLES[2 * (i % 2)])
+        axes.plot(
+            *circle_points(seen).T, color=MEASURED_COLOUR, lw=0.7, ls=LINE_STYLES[2 * (i % 2)]
+        )
         longer = length > campaign.study.setup.robot.head_length_m + 1e-6
         name = f"{angle:g}°" + (f", {groups.head_name(campaign, length)}" if longer else "")
         labels.append(
@@ -108,7 +112,7 @@ def _draw_turn_step(
 
 
 def _draw_model_circle(
-    axes: Axes, campaign: Campaign, row: PowerFit | None, condition: tuple[float, float, float]
+    axes: Axes, campaign: Campaign, row: FitAtPower | None, condition: tuple[float, float, float]
 ) -> str:
     """Draw the simulated circle; return its radius and difference as text."""
     if row is None:
@@ -117,7 +121,7 @@ def _draw_model_circle(
     found = turn_radius(campaign, row, length, angle)
     if not np.isfinite(found):
         return "\nsimulation: no turn"
-    axes.plot(*circle(found).T, color=BEFORE_COLOUR, ls="--")
+    axes.plot(*circle_points(found).T, color=BEFORE_COLOUR, ls="--")
     return f"\nsim. {found:.3f} m ({100 * (found / seen - 1):+.1f} %)"
 
 

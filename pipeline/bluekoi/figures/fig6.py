@@ -15,8 +15,8 @@ from .drawing import groups
 from .drawing.circles import compared_angle_deg
 from .drawing.groups import ConditionMean
 from .drawing.model_sweeps import (
-    PowerFit,
-    Sweep,
+    FitAtPower,
+    PredictionSweep,
     radii_over_angle,
     radii_over_length,
     speed_from_rest,
@@ -25,8 +25,8 @@ from .drawing.model_sweeps import (
 )
 from .drawing.style import Style, panel_letter, placeholder, power_styles
 
-TITLE = "Model predictions beyond the tested conditions"
-CAPTION = (
+FIGURE_TITLE = "Model predictions beyond the tested conditions"
+FIGURE_CAPTION = (
     "(A) Simulated straight speed from rest. (B) Simulated turn radius over head angle with the 1x "
     "head; points: measured means with standard deviations, shifted slightly by power. (C) The "
     "same over head length; inset: measured minus simulated radius with the longer head. Solid: "
@@ -41,7 +41,7 @@ TIMES_S = np.arange(151) / 30.0
 UNTESTED_COLOUR = "#e6eaed"
 
 
-def draw(campaign: Campaign) -> Figure:
+def render_figure(campaign: Campaign) -> Figure:
     """Panels A to C of the paper's Figure 6."""
     rows = with_extrapolated_powers(campaign)
     styles = _styles_by_power(campaign, rows)
@@ -70,16 +70,21 @@ def _add_legend() -> list[Artist]:
     ]
 
 
-def _styles_by_power(campaign: Campaign, rows: dict[float, PowerFit]) -> dict[float, Style]:
+def _styles_by_power(campaign: Campaign, rows: dict[float, FitAtPower]) -> dict[float, Style]:
     """Colours by power; tested powers as in the other figures."""
-    tested = groups.powers(campaign)
+    tested = groups.motor_powers_pct(campaign)
     return power_styles([*tested, *(power for power in rows if power not in tested)])
 
 
 def _draw_prediction(
-    axes: Axes, at: Float, values: Sweep, row: PowerFit, *, styles: dict[float, Style], label: str |
-    None = None,
-) -> None:  # fmt: skip
+    axes: Axes,
+    at: Float,
+    values: PredictionSweep,
+    row: FitAtPower,
+    *,
+    styles: dict[float, Style],
+    label: str | None = None,
+) -> None:
     """Prediction for one power with its 95 % band; dashed for untested powers."""
     colour = styles[row.power_pct].colour
     axes.plot(at, values.best, color=colour, ls="-" if row.tested else "--", label=label)
@@ -87,7 +92,7 @@ def _draw_prediction(
 
 
 def _draw_speeds(
-    axes: Axes, campaign: Campaign, rows: dict[float, PowerFit], styles: dict[float, Style]
+    axes: Axes, campaign: Campaign, rows: dict[float, FitAtPower], styles: dict[float, Style]
 ) -> None:
     for power, row in rows.items():
         name = f"{power:g} % ({row.flap_hz:.2f} Hz)" + ("" if row.tested else ", extrapolated")
@@ -98,7 +103,7 @@ def _draw_speeds(
 
 
 def _draw_radius_over_angle(
-    axes: Axes, campaign: Campaign, rows: dict[float, PowerFit], styles: dict[float, Style]
+    axes: Axes, campaign: Campaign, rows: dict[float, FitAtPower], styles: dict[float, Style]
 ) -> None:
     head = campaign.study.setup.robot.head_length_m
     for row in rows.values():
@@ -113,7 +118,7 @@ def _draw_radius_over_angle(
 
 
 def _draw_radius_over_length(
-    axes: Axes, campaign: Campaign, rows: dict[float, PowerFit], styles: dict[float, Style]
+    axes: Axes, campaign: Campaign, rows: dict[float, FitAtPower], styles: dict[float, Style]
 ) -> None:
     angle = compared_angle_deg(campaign)
     if not np.isfinite(angle):
@@ -158,7 +163,7 @@ def _draw_inset(
     axes: Axes,
     campaign: Campaign,
     means: list[ConditionMean],
-    rows: dict[float, PowerFit],
+    rows: dict[float, FitAtPower],
     styles: dict[float, Style],
 ) -> None:
     inner = axes.inset_axes((0.58, 0.58, 0.4, 0.34))

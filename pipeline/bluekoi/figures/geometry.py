@@ -17,8 +17,8 @@ from ..study.keypoint_depth import DEPTH_DECIMALS
 from .drawing.pool import draw_pool
 from .drawing.style import DIVERGING_COLOURMAP, panel_letter, placeholder
 
-TITLE = "Geometry check: rigid distances over the pool"
-CAPTION = (
+FIGURE_TITLE = "Geometry check: rigid distances over the pool"
+FIGURE_CAPTION = (
     "Head and core of the robot are rigid, so their measured lengths must not depend on the "
     "position in the pool. (With keypoints from silhouettes, the length from nose to tail is "
     "compared.) (A) Relative error of the measured length by position; small numbers: standard "
@@ -37,7 +37,7 @@ AXIS_HEADROOM = 6.0
 """Space right of the longest bar, a factor on the logarithmic axis."""
 
 
-def draw(campaign: Campaign) -> Figure:
+def render_figure(campaign: Campaign) -> Figure:
     """Measured map, map predicted by the likeliest error source, and all error sources."""
     found = campaign.geometry or {}
     if not found.get("map"):

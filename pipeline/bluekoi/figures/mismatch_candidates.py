@@ -9,8 +9,8 @@ from matplotlib.patches import Patch
 from ..campaign import Campaign
 from .drawing.style import AFTER_COLOUR, placeholder
 
-TITLE = "Evidence for each candidate cause"
-CAPTION = (
+FIGURE_TITLE = "Evidence for each candidate cause"
+FIGURE_CAPTION = (
     "Probability that a candidate acts, given these data, calibrated by how often earlier verdicts "
     "were right: at most 0.94. Blue: named as a cause. Probabilities need not add up to 1: several "
     "causes may act at once. Candidates that the data cannot distinguish share the probability "
@@ -21,7 +21,7 @@ MAX_BARS_SHOWN = 16
 NOT_NAMED_COLOUR = "#9aa5af"
 
 
-def draw(campaign: Campaign) -> Figure:
+def render_figure(campaign: Campaign) -> Figure:
     """Horizontal bars, the largest on top."""
     found = campaign.mismatch or {}
     named = {str(cause["name"]) for cause in found.get("causes") or []}

@@ -14,19 +14,19 @@ from ..campaign import Campaign
 from ..data import Float
 from .drawing import groups
 from .drawing.missing_force import (
-    CHANNELS,
+    FORCE_CHANNELS,
     FORCE_NAMES,
     FORCE_UNITS,
     VARIABLE_LABELS,
-    MissingForce,
+    MissingForceSeries,
     force_of_effects,
     missing_forces,
     variable_along_trial,
 )
 from .drawing.style import AFTER_COLOUR, Style, panel_letter, placeholder, power_styles
 
-TITLE = "Variables that explain the missing force"
-CAPTION = (
+FIGURE_TITLE = "Variables that explain the missing force"
+FIGURE_CAPTION = (
     "Force missing from the baseline model over the variables that explain most of it in "
     "conditions left out of the regression; percentages: share of all missing force, of the three "
     "channels together. Small dots: frames, by power; black: means with "
@@ -46,11 +46,11 @@ SKIPPED_START_S = 1.0
 """Start of a trial that is not drawn: the force is uncertain there."""
 
 
-def draw(campaign: Campaign) -> Figure:
+def render_figure(campaign: Campaign) -> Figure:
     """Up to three panels, the largest explained share first."""
     pieces = [(one, force_of_effects(campaign, one)) for one in missing_forces(campaign).values()]
     shown, shares = _channel_variable_pairs(campaign)
-    styles = power_styles(groups.powers(campaign))
+    styles = power_styles(groups.motor_powers_pct(campaign))
     figure = Figure(figsize=(12, 4.0), layout="constrained")
     for i, axes in enumerate(figure.subplots(1, PANEL_COUNT)):
         panel_letter(axes, "ABC"[i])
@@ -82,7 +82,7 @@ def _channel_variable_pairs(
     shares = {
         (str(row["channel"]), str(row["variable"])): float(row.get("share") or 0.0)
         for row in mismatch.get("where") or []
-        if row.get("channel") in CHANNELS
+        if row.get("channel") in FORCE_CHANNELS
     }
     causes = mismatch.get("causes") or []
     channels = [channel for cause in causes[:1] for channel in cause.get("channels", [])]
@@ -99,11 +99,11 @@ def _draw_panel(
     axes: Axes,
     campaign: Campaign,
     pair: tuple[str, str],
-    pieces: Sequence[tuple[MissingForce, Float]],
+    pieces: Sequence[tuple[MissingForceSeries, Float]],
     styles: dict[float, Style],
 ) -> None:
     channel, name = pair
-    k = CHANNELS.index(channel)
+    k = FORCE_CHANNELS.index(channel)
     found = [_frames_after_start(one) for one, _ in pieces]
     x = [
         variable_along_trial(campaign, one, name)[at]
@@ -126,7 +126,7 @@ def _draw_panel(
     axes.set_ylim(-top, top)
 
 
-def _frames_after_start(one: MissingForce) -> npt.NDArray[np.bool_]:
+def _frames_after_start(one: MissingForceSeries) -> npt.NDArray[np.bool_]:
     """Frames after the start, (n,)."""
     t = one.motion[:, 6] - one.motion[0, 6]
     return np.asarray(t >= min(SKIPPED_START_S, t[-1] / 3))
@@ -135,7 +135,7 @@ def _frames_after_start(one: MissingForce) -> npt.NDArray[np.bool_]:
 def _draw_dots(
     axes: Axes,
     campaign: Campaign,
-    found: Sequence[MissingForce],
+    found: Sequence[MissingForceSeries],
     points: tuple[list[Float], list[Float]],
     styles: dict[float, Style],
 ) -> None:

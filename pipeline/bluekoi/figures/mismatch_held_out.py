@@ -10,11 +10,11 @@ from matplotlib.lines import Line2D
 
 from ..campaign import Campaign
 from .drawing.held_out import evaluated_on_fitted_trials, evaluated_trials, noise_floor_m
-from .drawing.model_paths import draw_paths, legend, models
+from .drawing.model_paths import draw_paths, drawn_models, legend
 from .drawing.style import MEASURED_COLOUR, NOISE_FLOOR_NAME, panel_letter, placeholder
 
-TITLE = "Held-out trials: errors of the model before and after"
-CAPTION = (
+FIGURE_TITLE = "Held-out trials: errors of the model before and after"
+FIGURE_CAPTION = (
     "Trials that no fit used. (A) Errors of the baseline model (before, orange) and of the model "
     "with the identified causes (after, blue). Dotted: noise floor, the error of the extended "
     "model on trials simulated by itself with the estimated process and measurement noise; an "
@@ -46,8 +46,8 @@ ERROR_LABELS = (
 def title_and_caption(campaign: Campaign) -> tuple[str, str]:
     """Title and caption, by whether trials were held out and causes identified."""
     fitted = evaluated_on_fitted_trials(campaign)
-    title = TITLE if campaign.has_additions else ONE_MODEL_TITLE
-    text = CAPTION if campaign.has_additions else f"{HELD_OUT_SENTENCE} {ONE_MODEL_CAPTION}"
+    title = FIGURE_TITLE if campaign.has_additions else ONE_MODEL_TITLE
+    text = FIGURE_CAPTION if campaign.has_additions else f"{HELD_OUT_SENTENCE} {ONE_MODEL_CAPTION}"
     if fitted:
         return title.replace("Held-out", "Fitted"), text.replace(
             HELD_OUT_SENTENCE, FITTED_TRIALS_CAPTION
@@ -55,7 +55,7 @@ def title_and_caption(campaign: Campaign) -> tuple[str, str]:
     return title, text
 
 
-def draw(campaign: Campaign) -> Figure:
+def render_figure(campaign: Campaign) -> Figure:
     """Error bars on the left, paths of the evaluated trials on the right."""
     figure = Figure(figsize=(12, 4.4), layout="constrained")
     sides = figure.add_gridspec(1, 2, width_ratios=(1, 1.7))
@@ -90,7 +90,7 @@ def draw(campaign: Campaign) -> Figure:
 
 
 def _draw_error_bars(axes: Axes, campaign: Campaign, key: str, factor: float) -> None:
-    drawn = models(campaign)
+    drawn = drawn_models(campaign)
     values = [factor * campaign.held_out_error(model.result, key) for model in drawn]
     if all(math.isnan(value) for value in values):
         placeholder(axes, "no value")

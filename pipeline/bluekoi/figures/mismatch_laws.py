@@ -13,8 +13,8 @@ from ..campaign import Campaign
 from .drawing.missing_force import FORCE_NAMES, VARIABLE_LABELS
 from .drawing.style import AFTER_COLOUR, panel_letter
 
-TITLE = "Estimated law of each cause"
-CAPTION = (
+FIGURE_TITLE = "Estimated law of each cause"
+FIGURE_CAPTION = (
     "Force or moment of each identified cause over the variable that it depends on, with the 95 % "
     "band of its parameters. Dots, one for each eighth of a trial: partial residuals, that is the "
     "force which the model with all causes still lacks plus the force of this cause. Where they "
@@ -26,10 +26,10 @@ PANELS_PER_ROW = 3
 
 def reason_unavailable(campaign: Campaign) -> str:
     """Why there is nothing to draw; empty if a cause has a law."""
-    return "" if complete_laws(campaign) else "the search reports no law of a cause"
+    return "" if complete_force_curves(campaign) else "the search reports no law of a cause"
 
 
-def complete_laws(campaign: Campaign) -> dict[str, Mapping[str, Any]]:
+def complete_force_curves(campaign: Campaign) -> dict[str, Mapping[str, Any]]:
     """Name of a cause -> its law, for causes with a complete one."""
     causes = (campaign.mismatch or {}).get("causes") or []
     found = {str(cause["name"]): cause.get("law") or {} for cause in causes}
@@ -40,9 +40,9 @@ def complete_laws(campaign: Campaign) -> dict[str, Mapping[str, Any]]:
     }
 
 
-def draw(campaign: Campaign) -> Figure:
+def render_figure(campaign: Campaign) -> Figure:
     """A panel for each cause with a law."""
-    found = complete_laws(campaign)
+    found = complete_force_curves(campaign)
     residuals = (campaign.mismatch_detail or {}).get("partial_residuals") or {}
     rows = -(-len(found) // PANELS_PER_ROW)
     columns = min(PANELS_PER_ROW, len(found))

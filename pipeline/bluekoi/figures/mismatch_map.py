@@ -9,12 +9,18 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from ..campaign import Campaign
-from .drawing.missing_force import CHANNELS, FORCE_NAMES, FORCE_UNITS, MissingForce, missing_forces
+from .drawing.missing_force import (
+    FORCE_CHANNELS,
+    FORCE_NAMES,
+    FORCE_UNITS,
+    MissingForceSeries,
+    missing_forces,
+)
 from .drawing.pool import draw_pool
 from .drawing.style import DIVERGING_COLOURMAP, panel_letter, placeholder
 
-TITLE = "Missing force along the paths"
-CAPTION = (
+FIGURE_TITLE = "Missing force along the paths"
+FIGURE_CAPTION = (
     "Force that the baseline model would need to follow the measured motion, estimated by a "
     "smoother. (A-C) All paths in the pool, coloured by missing surge force (forward positive), "
     "sway force (positive to the left) and yaw moment (counter-clockwise positive). (D-F) The "
@@ -25,12 +31,12 @@ REQUIRED_RESULTS = ("tracks", "steady", "mismatch_detail")
 TRIALS_SHOWN = 3
 
 
-def draw(campaign: Campaign) -> Figure:
+def render_figure(campaign: Campaign) -> Figure:
     """A map per channel, and the three trials with the largest missing force."""
     found = missing_forces(campaign)
     figure = Figure(figsize=(12, 5.2), layout="constrained")
     panels = figure.subplots(2, 3)
-    for i, (axes, channel) in enumerate(zip(panels[0], CHANNELS, strict=True)):
+    for i, (axes, channel) in enumerate(zip(panels[0], FORCE_CHANNELS, strict=True)):
         panel_letter(axes, "ABC"[i])
         _draw_force_map(figure, axes, campaign, found, i)
         axes.set_title(f"missing {FORCE_NAMES[channel]} ({FORCE_UNITS[channel]})")
@@ -46,13 +52,17 @@ def draw(campaign: Campaign) -> Figure:
     return figure
 
 
-def _mean_square(one: MissingForce) -> float:
+def _mean_square(one: MissingForceSeries) -> float:
     """Mean square of the missing force in standard errors."""
     return float(np.mean((one.force / np.maximum(one.std, 1e-9)) ** 2))
 
 
 def _draw_force_map(
-    figure: Figure, axes: Axes, campaign: Campaign, found: dict[str, MissingForce], channel: int
+    figure: Figure,
+    axes: Axes,
+    campaign: Campaign,
+    found: dict[str, MissingForceSeries],
+    channel: int,
 ) -> None:
     if not found:
         placeholder(axes, "no missing force in mismatch_detail.json")
@@ -72,7 +82,9 @@ def _draw_force_map(
     figure.colorbar(lines, ax=axes, shrink=0.7, extend="both")
 
 
-def _draw_force_arrows(axes: Axes, campaign: Campaign, one: MissingForce, longest: float) -> None:
+def _draw_force_arrows(
+    axes: Axes, campaign: Campaign, one: MissingForceSeries, longest: float
+) -> None:
     draw_pool(axes, campaign.study)
     xy, psi = one.motion[:, :2], one.motion[:, 2]
     surge, sway = one.force[:, 0], one.force[:, 1]

@@ -12,8 +12,8 @@ from ..study import Trial
 from .drawing.model_paths import draw_paths, legend
 from .drawing.style import placeholder
 
-TITLE = "Measured and simulated path of every trial"
-CAPTION = (
+FIGURE_TITLE = "Measured and simulated path of every trial"
+FIGURE_CAPTION = (
     "Each panel shows the pool from above. Black: measured path of the centre of mass, dot at its "
     "start. Orange, dashed: baseline model with one coefficient set for all trials, started from "
     "the fitted initial state. Blue: model with the identified causes, if there are any. Numbers: "
@@ -25,7 +25,7 @@ PANELS_PER_ROW = 6
 MAX_PANELS = 60
 
 
-def draw(campaign: Campaign) -> Figure:
+def render_figure(campaign: Campaign) -> Figure:
     """Small multiples, one panel a trial in the order of trials.csv."""
     trials = _trials_shown(campaign)
     columns = min(PANELS_PER_ROW, len(trials))

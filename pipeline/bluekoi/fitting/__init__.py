@@ -3,13 +3,30 @@
 from .between_trials import MAX_OVERDISPERSION, Z_95, cluster_robust_covariance
 from .block_average import block_averaged
 from .bootstrap import parametric_bootstrap
-from .filtering import Filtered, FilterResults, disturbance_slots, filter_all, filter_series, smooth
+from .filtering import (
+    FilteredTrial,
+    FilterResults,
+    disturbance_slots,
+    filter_all,
+    filter_series,
+    rts_smooth,
+)
 from .free_run import FreeRun, free_runs
-from .joint_fit import Fit, conditional_response, fit, pseudo_inverse
+from .joint_fit import (
+    ParameterFit,
+    conditional_response,
+    fit_parameters_jointly,
+    regularised_fisher_inverse,
+)
 from .missing_force import MissingForce, added_force, missing_force, rms_forces
-from .noise import fit_noise
-from .normal import Normal, log_likelihoods, normal_equations, trial_values
-from .paths import PathFit, fit_paths
+from .noise import estimate_noise_model
+from .normal import (
+    NormalEquationsByTrial,
+    log_likelihood_by_trial,
+    trial_normal_equations,
+    trial_parameter_vector,
+)
+from .paths import TrajectoryFit, fit_trajectories
 from .predictions import slots_by_name
 from .resampling import cov_hc2, cov_jackknife, inverse_fisher, off_bounds, student_t_draws
 from .sandwich import (
@@ -19,7 +36,7 @@ from .sandwich import (
     cluster_covariance,
     newton_step_off_bounds,
 )
-from .series import Free, Noise, Series, SharedMeasurement, TrialEffect
+from .series import FreeParameter, Noise, SharedMeasurement, TrialEffect, TrialSeries
 
 __all__ = [
     "MAX_OVERDISPERSION",
@@ -27,18 +44,18 @@ __all__ = [
     "ClusterCovariance",
     "ClusterInfluence",
     "FilterResults",
-    "Filtered",
-    "Fit",
-    "Free",
+    "FilteredTrial",
+    "FreeParameter",
     "FreeRun",
     "MissingForce",
     "Noise",
-    "Normal",
-    "PathFit",
-    "Series",
+    "NormalEquationsByTrial",
+    "ParameterFit",
     "SharedMeasurement",
+    "TrajectoryFit",
     "TrialEffect",
     "TrialRandomEffect",
+    "TrialSeries",
     "added_force",
     "block_averaged",
     "cluster_covariance",
@@ -47,23 +64,23 @@ __all__ = [
     "cov_hc2",
     "cov_jackknife",
     "disturbance_slots",
+    "estimate_noise_model",
     "filter_all",
     "filter_series",
-    "fit",
-    "fit_noise",
-    "fit_paths",
+    "fit_parameters_jointly",
+    "fit_trajectories",
     "free_runs",
     "inverse_fisher",
-    "log_likelihoods",
+    "log_likelihood_by_trial",
     "missing_force",
     "newton_step_off_bounds",
-    "normal_equations",
     "off_bounds",
     "parametric_bootstrap",
-    "pseudo_inverse",
+    "regularised_fisher_inverse",
     "rms_forces",
+    "rts_smooth",
     "slots_by_name",
-    "smooth",
     "student_t_draws",
-    "trial_values",
+    "trial_normal_equations",
+    "trial_parameter_vector",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .normal import Normal
+from .normal import NormalEquationsByTrial
 from .resampling import inverse_fisher
 from .sandwich import ClusterCovariance, cluster_covariance
 
@@ -17,7 +17,9 @@ report warns. Trials say nothing on the overdispersion of a parameter that a sin
 on: the largest one without a warning is assumed."""
 
 
-def cluster_robust_covariance(normal: Normal, free: np.ndarray) -> ClusterCovariance:
+def cluster_robust_covariance(
+    normal: NormalEquationsByTrial, free: np.ndarray
+) -> ClusterCovariance:
     """Covariance (p, p) and degrees of freedom (p,) from the variation between trials; free (p,):
     which parameters are off their bounds.
 

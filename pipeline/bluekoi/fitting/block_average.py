@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..data import Float
-from .series import Series
+from .series import TrialSeries
 
 DEFAULT_BLOCK_RATE_HZ = 10.0
 PARABOLA_HALF_WINDOW_S = 0.15
@@ -22,8 +22,8 @@ MIN_FRAMES_FOR_PARABOLA = 5
 
 
 def block_averaged(
-    series: Series, rate_hz: float = DEFAULT_BLOCK_RATE_HZ, *, constant: Sequence[int] = ()
-) -> Series:
+    series: TrialSeries, rate_hz: float = DEFAULT_BLOCK_RATE_HZ, *, constant: Sequence[int] = ()
+) -> TrialSeries:
     """`series` at about `rate_hz`, its first frame kept as it is.
 
     constant: observations whose stated variance is one of the whole trial, spread over its frames
@@ -46,7 +46,7 @@ def block_averaged(
 
 
 def _block_means(
-    series: Series, first: np.ndarray, lengths: np.ndarray
+    series: TrialSeries, first: np.ndarray, lengths: np.ndarray
 ) -> tuple[Float, Float, Float]:
     """Times (b,), observations (b, observations) and covariances of blocks that begin at the frames
     `first` (b,) and have so many; NaN where nothing is seen.
@@ -70,7 +70,7 @@ def _block_means(
     return times, seen, noise
 
 
-def _second_derivatives(series: Series, times: Float, known: np.ndarray) -> Float:
+def _second_derivatives(series: TrialSeries, times: Float, known: np.ndarray) -> Float:
     """Second derivatives (b, observations) of parabolas about times; 0 where frames are few."""
     begin, end = (
         np.searchsorted(series.times, times + k * PARABOLA_HALF_WINDOW_S) for k in (-1, 1)

@@ -9,15 +9,15 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import propagate
-from .filtering import disturbance_slots, with_noise
-from .series import Noise, Series, padded_arrays
+from ..integrate.batch import simulate_batch
+from .filtering import disturbance_slots, values_with_noise_switched_on
+from .series import Noise, TrialSeries, padded_arrays
 
 
 def parametric_bootstrap(  # noqa: PLR0917
-    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float],
+    kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float],
     noises: Sequence[Noise], starts: Float, rng: np.random.Generator,
-) -> list[Series]:  # fmt: skip
+) -> list[TrialSeries]:  # fmt: skip
     """Trials from `starts` (trials, states), their observations drawn again at random.
 
     values: full parameter vectors; noises: one a trial, of the same correlation times tau. Between
@@ -25,7 +25,9 @@ def parametric_bootstrap(  # noqa: PLR0917
     variance sigma^2 (1 - exp(-2 dt / tau)).
     """
     state, tau = starts.copy(), noises[0].tau
-    points = np.array([with_noise(kernel, v, n) for v, n in zip(values, noises, strict=True)])
+    points = np.array(
+        [values_with_noise_switched_on(kernel, v, n) for v, n in zip(values, noises, strict=True)]
+    )
     times, inputs = (
         padded_arrays([s.times for s in series]),
         padded_arrays([s.inputs for s in series]),
@@ -39,7 +41,7 @@ def parametric_bootstrap(  # noqa: PLR0917
         normal = rng.standard_normal(sigma.shape)
         state[:, slots] += sigma * np.sqrt(1 - decay**2) * normal
         following = min(k + 1, times.shape[1] - 1)
-        seen, states = propagate(
+        seen, states = simulate_batch(
             kernel, _over_lanes(state), _over_lanes(points), _over_lanes(constants),
             times=times[:, [k, following]], inputs=inputs[:, [k, following]], keep_states=True,
         )  # fmt: skip
@@ -50,8 +52,8 @@ def parametric_bootstrap(  # noqa: PLR0917
 
 
 def _with_white_noise(
-    one: Series, noise: Noise, observed: Float, rng: np.random.Generator
-) -> Series:
+    one: TrialSeries, noise: Noise, observed: Float, rng: np.random.Generator
+) -> TrialSeries:
     root = np.linalg.cholesky(one.noise + 1e-18 * np.eye(one.noise.shape[1]))
     white = np.einsum("nij,nj->ni", root, rng.standard_normal(observed.shape)) * noise.scale
     return replace(one, seen=np.where(np.isfinite(one.seen), observed + white, np.nan))

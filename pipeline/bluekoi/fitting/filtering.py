@@ -12,7 +12,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import CompiledSystem, Effect, System
 from ..integrate.batch import active_effects, threaded_map
-from .series import Noise, Series, padded_arrays
+from .series import Noise, TrialSeries, padded_arrays
 
 MAX_FILTER_STEP_S = 1 / 30
 """Longest integration step between observations, to 1 %: its error is far below a frame's noise.
@@ -25,7 +25,7 @@ STATE_DIFFERENCE = (
 
 
 @dataclass(frozen=True)
-class Filtered:
+class FilteredTrial:
     """One trial through the filter: n frames, s states, o observations.
 
     log_likelihood; innovations (n, o), whitened; gains (n, s, o); roots (n, o, o): inverse
@@ -45,26 +45,26 @@ class Filtered:
 
 
 @dataclass(frozen=True)
-class FilterResults(Sequence[Filtered]):
+class FilterResults(Sequence[FilteredTrial]):
     """Filter results of all trials t, with padded arrays for fixed-gain prediction.
 
     Shorter trials are padded with their last frame: gains (t, n, s, o), roots (t, n, o, o), times
     (t, n), inputs (t, n, inputs), seen (t, n, o); frames (t,) and log_lik_const (t,).
     """
 
-    series: tuple[Series, ...]
-    each: tuple[Filtered, ...]
+    series: tuple[TrialSeries, ...]
+    each: tuple[FilteredTrial, ...]
 
     def __len__(self) -> int:
         return len(self.each)
 
     @overload
-    def __getitem__(self, index: int) -> Filtered: ...
+    def __getitem__(self, index: int) -> FilteredTrial: ...
 
     @overload
-    def __getitem__(self, index: slice) -> Sequence[Filtered]: ...
+    def __getitem__(self, index: slice) -> Sequence[FilteredTrial]: ...
 
-    def __getitem__(self, index: int | slice) -> Filtered | Sequence[Filtered]:
+    def __getitem__(self, index: int | slice) -> FilteredTrial | Sequence[FilteredTrial]:
         return self.each[index]
 
     @cached_property
@@ -104,13 +104,15 @@ class FilterResults(Sequence[Filtered]):
                          for f in self.each])  # fmt: skip
 
 
-def filter_series(kernel: CompiledSystem, series: Series, values: Float, noise: Noise) -> Filtered:
-    """`Filtered` of one trial for a full parameter vector `(parameters,)`."""
+def filter_series(
+    kernel: CompiledSystem, series: TrialSeries, values: Float, noise: Noise
+) -> FilteredTrial:
+    """`FilteredTrial` of one trial for a full parameter vector `(parameters,)`."""
     return _filter_trial(kernel, series, values, _noise_arrays(kernel, noise))
 
 
 def filter_all(
-    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise
+    kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], noise: Noise
 ) -> FilterResults:
     """`filter_series` for every trial with its own parameter vector, on all cores."""
     jobs, shared = list(zip(series, values, strict=True)), _noise_arrays(kernel, noise)
@@ -140,14 +142,14 @@ def _noise_arrays(kernel: CompiledSystem, noise: Noise) -> _NoiseArrays:
 
 
 def _filter_trial(
-    kernel: CompiledSystem, series: Series, values: Float, shared: _NoiseArrays
-) -> Filtered:
+    kernel: CompiledSystem, series: TrialSeries, values: Float, shared: _NoiseArrays
+) -> FilteredTrial:
     n, s, o = len(series.times), len(kernel.system.all_states), len(kernel.system.observations)
     shapes = ((n, s, o), (n, o, o), (n, s, s), (n, s), (n, s), (n, s, s), (n, s, s), (n, o))
     gains, roots, transitions, predicted, filtered, cov_p, cov_f, innovations = map(
         np.zeros, shapes
     )
-    values, cov = with_noise(kernel, values, shared.noise), series.cov.copy()
+    values, cov = values_with_noise_switched_on(kernel, values, shared.noise), series.cov.copy()
     cov[shared.random, shared.random] = shared.variance[shared.random]
     on, step_s = active_effects(kernel.system, values), kernel.system.step_s or MAX_FILTER_STEP_S
     log_likelihood = kernel.kalman(
@@ -156,12 +158,12 @@ def _filter_trial(
         active_states(kernel.system, on), on, step_s, gains, roots, transitions,
         predicted, filtered, cov_p, cov_f, innovations,
     )  # fmt: skip
-    return Filtered(
+    return FilteredTrial(
         log_likelihood, innovations, gains, roots, transitions, predicted, filtered, cov_p, cov_f
     )
 
 
-def smooth(result: Filtered) -> tuple[Float, Float]:
+def rts_smooth(result: FilteredTrial) -> tuple[Float, Float]:
     """Rauch-Tung-Striebel means `(n, states)` and covariances `(n, states, states)`."""
     mean, cov = result.filtered.copy(), result.cov_filtered.copy()
     for k in range(len(mean) - 2, -1, -1):
@@ -178,18 +180,18 @@ def disturbance_slots(kernel: CompiledSystem, *, acting: bool = False) -> list[i
     """Places of the random states in the state vector; of those alone that push, where `acting`."""
     return [
         kernel.system.all_states.index(s)
-        for effect in random_effects(kernel)
+        for effect in stochastic_process_effects(kernel)
         if effect.channels or not acting
         for s in effect.states
     ]
 
 
-def random_effects(kernel: CompiledSystem) -> list[Effect]:
+def stochastic_process_effects(kernel: CompiledSystem) -> list[Effect]:
     """The system's random parts, in the order of their states."""
     return [e for e in kernel.system.effects if e.kind == "disturbance"]
 
 
-def with_noise(kernel: CompiledSystem, values: Float, noise: Noise) -> Float:
+def values_with_noise_switched_on(kernel: CompiledSystem, values: Float, noise: Noise) -> Float:
     """`values` (parameters, ...) with the random parts of `noise` switched on, as a copy.
 
     A random effect's parameters are `present` and then a memory for all its states, or one each.

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import map_ranges_in_threads, propagate
+from ..integrate.batch import map_ranges_in_threads, simulate_batch
 from .gram import set_products
-from .series import Series, observations_and_weights, padded_arrays
+from .series import TrialSeries, observations_and_weights, padded_arrays
 
 FIT_HORIZON_SHARES = (0.25, 0.5, 1.0)
 START_STATE_DIFFERENCE = 1e-4
@@ -34,7 +34,7 @@ class FreeRun:
 
 def free_runs(
     kernel: CompiledSystem,
-    series: Sequence[Series],
+    series: Sequence[TrialSeries],
     values: Sequence[Float],
     *,
     open_states: int = 6,
@@ -60,7 +60,7 @@ def free_runs(
     ]
 
 
-def first_part(series: Series, share: float) -> Series:
+def first_part(series: TrialSeries, share: float) -> TrialSeries:
     """The first share of a trial's frames, two at least."""
     n = max(2, int(np.ceil(share * len(series.times))))
     return series.frames(0, n)
@@ -89,7 +89,7 @@ class _PaddedRuns:
         """Observations and states of runs from these starts and, in further lanes, beside them."""
         state = np.repeat(starts[:, :, None], LANES, axis=2)
         state[:, range(self.count), range(1, self.count + 1)] += START_STATE_DIFFERENCE
-        return propagate(
+        return simulate_batch(
             self.kernel, state, self.values, self.constants, times=self.times, inputs=self.inputs,
             frames=self.frames, keep_states=keep_states,
         )  # fmt: skip
@@ -116,7 +116,7 @@ class _PaddedRuns:
 
 
 def _padded_runs(
-    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], count: int
+    kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], count: int
 ) -> _PaddedRuns:
     frames, seen, weight = observations_and_weights(series)
     lanes = [np.repeat(np.array(rows)[:, :, None], LANES, axis=2)
@@ -162,7 +162,7 @@ def _damped_steps(products: Float, damping: Float, states: int) -> Float:
     return steps
 
 
-def _position_rmse(series: Series, observed: Float) -> float:
+def _position_rmse(series: TrialSeries, observed: Float) -> float:
     error = series.seen[:, :2] - observed[: len(series.times), :2]
     with np.errstate(over="ignore", invalid="ignore"):  # a run that goes away
         square = np.sum(error**2, axis=1)

@@ -14,9 +14,9 @@ from ..data import Float
 from ..integrate import CompiledSystem
 from .bounded_step import bounded_step
 from .filtering import FilterResults
-from .normal import Normal, normal_equations
+from .normal import NormalEquationsByTrial, trial_normal_equations
 from .predictions import slots_by_name
-from .series import Free, Noise, Series
+from .series import FreeParameter, Noise, TrialSeries
 
 CONVERGED = "converged"
 AT_BOUND = "at a bound: the data ask for more than is plausible, look for missing physics"
@@ -35,19 +35,19 @@ the step (sec. 4.1)."""
 
 
 @dataclass(frozen=True)
-class Fit:
+class ParameterFit:
     """A joint fit: free (p,), values (p,), the normal equations there, and a named outcome."""
 
-    free: tuple[Free, ...]
+    free: tuple[FreeParameter, ...]
     values: Float
-    normal: Normal
+    normal: NormalEquationsByTrial
     outcome: str
     iterations: int
 
     @property
     def naive_cov(self) -> Float:
         """Inverse Fisher matrix (p, p): too small, since errors in a trial are correlated."""
-        return pseudo_inverse(self.normal.hessian.sum(axis=0))
+        return regularised_fisher_inverse(self.normal.hessian.sum(axis=0))
 
     @property
     def log_likelihood(self) -> float:
@@ -59,12 +59,20 @@ class Fit:
         return {f.label: float(v) for f, v in zip(self.free, self.values, strict=True)}
 
 
-def fit(
-    kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free],
-    noise: Noise, *, start: Mapping[str, float] | None = None, iterations: int = 25,
-    tolerance: float = 1e-3, predictor: FilterResults | None = None,
-    spreads: Mapping[str, float] | None = None, effects: Float | None = None,
-) -> Fit:  # fmt: skip
+def fit_parameters_jointly(
+    kernel: CompiledSystem,
+    series: Sequence[TrialSeries],
+    base: Float,
+    free: Sequence[FreeParameter],
+    noise: Noise,
+    *,
+    start: Mapping[str, float] | None = None,
+    iterations: int = 25,
+    tolerance: float = 1e-3,
+    predictor: FilterResults | None = None,
+    spreads: Mapping[str, float] | None = None,
+    effects: Float | None = None,
+) -> ParameterFit:
     """Newton's method on the prediction errors, in a trust region and within the bounds.
 
     start: values by label; without it the parameters' own starts. Ends with the step that changes
@@ -73,7 +81,7 @@ def fit(
     the region is ends the fit at `RESTRICTED_TOLERANCE` of that, and is not taken: there the
     quadratic model has failed. A whole step that fails and is at most `FAILED_STEP_TOLERANCE` of
     the tolerance ends the fit where it is: the differences are no more exact than that.
-    predictor, spreads: as in `normal_equations`, and so are effects, at the start.
+    predictor, spreads: as in `trial_normal_equations`, and so are effects, at the start.
     """
     slots = slots_by_name(kernel)
     parameters = [kernel.system.parameters[slots[f.name]] for f in free]
@@ -81,8 +89,8 @@ def fit(
     given = start or {}
     x = np.array([given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free])
     x = np.clip(x, lower, upper)
-    normal = normal_equations(kernel, series, base, free, x, noise=noise, predictor=predictor,
-                              spreads=spreads, effects=effects)  # fmt: skip
+    normal = trial_normal_equations(kernel, series, base, free, x, noise=noise, predictor=predictor,
+                                    spreads=spreads, effects=effects)  # fmt: skip
     radius, outcome, count = np.inf, STALLED, 0
     while normal.usable and count < iterations:
         count += 1
@@ -96,9 +104,9 @@ def fit(
             outcome = CONVERGED
             break
         trial = np.clip(x + step, lower, upper)
-        candidate = normal_equations(kernel, series, base, free, trial, noise=noise,
-                                     predictor=predictor, spreads=spreads,
-                                     effects=_effects_after_step(normal, step))  # fmt: skip
+        candidate = trial_normal_equations(kernel, series, base, free, trial, noise=noise,
+                                           predictor=predictor, spreads=spreads,
+                                           effects=_effects_after_step(normal, step))  # fmt: skip
         gain = float(candidate.log_likelihood.sum() - normal.log_likelihood.sum())
         slope = float(g @ step)
         share = gain / (slope - 0.5 * float(step @ H @ step))
@@ -116,20 +124,20 @@ def fit(
             radius = longest * float(np.clip(top, MIN_SHRINKAGE, MAX_SHRINKAGE))
     bound = (x <= lower) | (x >= upper)
     outcome = AT_BOUND if outcome == CONVERGED and bound.any() else outcome
-    return Fit(tuple(free), x, normal, outcome, count)
+    return ParameterFit(tuple(free), x, normal, outcome, count)
 
 
-def _is_small(normal: Normal, change: Float, tolerance: float) -> bool:
+def _is_small(normal: NormalEquationsByTrial, change: Float, tolerance: float) -> bool:
     """Whether a step lies within `tolerance` standard deviations: change' H change < tol^2."""
     return bool(change @ normal.hessian.sum(axis=0) @ change < tolerance**2 * max(len(change), 1))
 
 
-def _effects_after_step(normal: Normal, step: Float) -> Float:
+def _effects_after_step(normal: NormalEquationsByTrial, step: Float) -> Float:
     """Most probable trial effects (t, q) a step further, to first order."""
     return normal.effects.values + normal.effects.slopes @ step
 
 
-def _normal_after_step(normal: Normal, step: Float) -> Normal:
+def _normal_after_step(normal: NormalEquationsByTrial, step: Float) -> NormalEquationsByTrial:
     """The normal equations a step further, by their own parabola."""
     bend = normal.hessian @ step
     return replace(
@@ -140,7 +148,7 @@ def _normal_after_step(normal: Normal, step: Float) -> Normal:
     )
 
 
-def pseudo_inverse(matrix: Float) -> Float:
+def regularised_fisher_inverse(matrix: Float) -> Float:
     """Inverse of a Fisher matrix (..., p, p); directions that no data touch get a huge variance."""
     diagonal = np.einsum("...pp->...p", matrix)
     scale = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
@@ -152,4 +160,4 @@ def pseudo_inverse(matrix: Float) -> Float:
 
 def conditional_response(hessian: Float, own: Sequence[int], others: Sequence[int]) -> Float:
     """-H_oo^-1 H_ox (own, others): how some numbers of a fit go along with a change of others."""
-    return -pseudo_inverse(hessian[np.ix_(own, own)]) @ hessian[np.ix_(own, others)]
+    return -regularised_fisher_inverse(hessian[np.ix_(own, own)]) @ hessian[np.ix_(own, others)]

@@ -19,19 +19,19 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import active_effects, map_ranges_in_threads, propagate
+from ..integrate.batch import active_effects, map_ranges_in_threads, simulate_batch
 from .filtering import (
     STATE_DIFFERENCE,
-    Filtered,
+    FilteredTrial,
     FilterResults,
     active_states,
     disturbance_slots,
     filter_all,
-    with_noise,
+    values_with_noise_switched_on,
 )
-from .recursion import log_likelihoods
+from .recursion import write_log_likelihoods
 from .score import log_likelihood_gradients
-from .series import Noise, Series, padded_arrays
+from .series import Noise, TrialSeries, padded_arrays
 
 
 @dataclass(frozen=True)
@@ -62,12 +62,14 @@ class LinearisedFilter:
 
 @np.errstate(over="ignore", invalid="ignore")  # a model that diverges has no likelihood
 def linearised(
-    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise,
+    kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], noise: Noise,
     passes: FilterResults | None = None,
 ) -> LinearisedFilter:  # fmt: skip
     """`LinearisedFilter` along the filter's pass with this noise, made here unless given."""
     passed = filter_all(kernel, series, values, noise) if passes is None else passes
-    on = active_effects(kernel.system, np.array([with_noise(kernel, v, noise) for v in values]))
+    on = active_effects(
+        kernel.system, np.array([values_with_noise_switched_on(kernel, v, noise) for v in values])
+    )
     active = active_states(kernel.system, on)
     slots = disturbance_slots(kernel)[: len(noise.disturbance)]
     places = np.array([k for k, slot in enumerate(slots) if slot in active], dtype=np.int64)
@@ -108,7 +110,9 @@ def log_likelihood(linear: LinearisedFilter, noise: Noise) -> float:
     """Of all trials under another noise, to first order around the path of `linear`."""
     out = np.zeros(len(linear.counts))
     given = (*_recursion_arguments(linear), *_noise_arrays(linear, noise))
-    map_ranges_in_threads(lambda first, last: log_likelihoods(*given, first, last, out), len(out))
+    map_ranges_in_threads(
+        lambda first, last: write_log_likelihoods(*given, first, last, out), len(out)
+    )
     return float(out.sum())
 
 
@@ -144,8 +148,8 @@ def _noise_arrays(linear: LinearisedFilter, noise: Noise) -> tuple[Float, Float,
 
 
 def _observations_and_slopes(
-    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise, *,
-    passed: Sequence[Filtered], active: np.ndarray,
+    kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], noise: Noise, *,
+    passed: Sequence[FilteredTrial], active: np.ndarray,
 ) -> tuple[Float, Float]:  # fmt: skip
     """What each predicted state shows (t, n, o), and its slopes H (t, n, o, a)."""
     predicted = padded_arrays([p.predicted for p in passed])
@@ -153,12 +157,12 @@ def _observations_and_slopes(
     state = np.repeat(predicted.reshape(-1, states, 1), LANES, axis=2)
     state[:, active, np.arange(1, len(active) + 1)] += STATE_DIFFERENCE
     each = np.repeat(np.arange(trials), frames)
-    full = np.array([with_noise(kernel, v, noise) for v in values])[each]
+    full = np.array([values_with_noise_switched_on(kernel, v, noise) for v in values])[each]
     constants = np.array([s.constants for s in series])[each]
     times, inputs = (padded_arrays([getattr(s, k) for s in series]) for k in ("times", "inputs"))
     lanes = [np.repeat(a[:, :, None], LANES, axis=2) for a in (full, constants)]
-    seen, _ = propagate(kernel, state, *lanes, times=times.reshape(-1, 1),
-                        inputs=inputs.reshape(len(each), 1, inputs.shape[2]))  # fmt: skip
+    seen, _ = simulate_batch(kernel, state, *lanes, times=times.reshape(-1, 1),
+                             inputs=inputs.reshape(len(each), 1, inputs.shape[2]))  # fmt: skip
     flat = seen[:, 0]
     gradients = (flat[:, :, 1 : len(active) + 1] - flat[:, :, :1]) / STATE_DIFFERENCE
     known = np.isfinite(padded_arrays([s.seen for s in series]))

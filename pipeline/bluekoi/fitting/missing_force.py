@@ -9,9 +9,15 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import propagate
-from .filtering import FilterResults, disturbance_slots, filter_all, smooth, with_noise
-from .series import Noise, Series
+from ..integrate.batch import simulate_batch
+from .filtering import (
+    FilterResults,
+    disturbance_slots,
+    filter_all,
+    rts_smooth,
+    values_with_noise_switched_on,
+)
+from .series import Noise, TrialSeries
 
 IMPULSE_S = 1e-3
 """Duration over which forces are compared by the change of the velocities."""
@@ -29,13 +35,13 @@ class MissingForce:
 
 
 def missing_force(
-    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise
+    kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], noise: Noise
 ) -> list[MissingForce]:
     """`MissingForce` of every trial around a fitted model."""
     slots = disturbance_slots(kernel, acting=True)
     out = []
     for one, result in zip(series, filter_all(kernel, series, values, noise), strict=True):
-        mean, cov = smooth(result)
+        mean, cov = rts_smooth(result)
         std = np.sqrt(np.maximum(np.einsum("nii->ni", cov[:, slots][:, :, slots]), 0.0))
         out.append(MissingForce(one.name, one.times, mean[:, slots], std, mean))
     return out
@@ -43,7 +49,7 @@ def missing_force(
 
 def added_force(
     kernel: CompiledSystem,
-    series: Sequence[Series],
+    series: Sequence[TrialSeries],
     on: Sequence[Float],
     off: Sequence[Float],
     noise: Noise,
@@ -58,8 +64,8 @@ def added_force(
     for one, result, with_, without in zip(
         series, filter_all(kernel, series, on, noise), on, off, strict=True
     ):
-        state, _ = smooth(result)
-        changed, base = (np.tile(with_noise(kernel, v, noise), (len(state), 1))
+        state, _ = rts_smooth(result)
+        changed, base = (np.tile(values_with_noise_switched_on(kernel, v, noise), (len(state), 1))
                          for v in (with_, without))  # fmt: skip
         force = _forces_of_changes(kernel, state, base, [changed], times=one.times,
                                    inputs=one.inputs,
@@ -81,7 +87,7 @@ def rms_forces(
     each = np.repeat(np.arange(len(passes)), [len(s.times) for s in series])
 
     def of_frames(vectors: Sequence[Float]) -> Float:
-        return np.array([with_noise(kernel, v, noise) for v in vectors])[each]
+        return np.array([values_with_noise_switched_on(kernel, v, noise) for v in vectors])[each]
 
     state, base = np.concatenate([f.filtered for f in passes]), of_frames(points)
     times, inputs = (np.concatenate([getattr(s, k) for s in series]) for k in ("times", "inputs"))
@@ -109,7 +115,7 @@ def _forces_of_changes(
         lanes[:, slot, 1 + k] += 1.0
     values = np.repeat(base[:, :, None], LANES, axis=2)
     values[:, :, first : first + len(changed)] = np.stack(changed, axis=2)
-    _, after = propagate(
+    _, after = simulate_batch(
         kernel, lanes, values, np.repeat(constants[:, :, None], LANES, axis=2),
         times=times[:, None] + np.array([0.0, IMPULSE_S]), keep_states=True,
         inputs=np.repeat(inputs[:, None], 2, axis=1),

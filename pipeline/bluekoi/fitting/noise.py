@@ -19,7 +19,7 @@ from .linear import (
     log_likelihood,
     log_likelihood_gradient,
 )
-from .series import Noise, Series
+from .series import Noise, TrialSeries
 
 MIN_STRENGTH = 1e-9
 LOG_LIKELIHOOD_IF_DIVERGED = -1e12
@@ -35,8 +35,8 @@ class FittedNoise:
     passes: FilterResults
 
 
-def fit_noise(
-    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise, *,
+def estimate_noise_model(
+    kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], noise: Noise, *,
     rounds: int = 2, max_trials: int = 12, line_searches: bool = True,
     passes: FilterResults | None = None,
 ) -> FittedNoise:  # fmt: skip

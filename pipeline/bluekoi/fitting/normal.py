@@ -16,13 +16,13 @@ from ..data import Float
 from ..integrate import CompiledSystem
 from .filtering import FilterResults, filter_all
 from .predictions import ParameterChange, difference_step, slots_by_name, whitened_products
-from .series import Free, Noise, Series
+from .series import FreeParameter, Noise, TrialSeries
 from .side_measurements import side_measurement_terms
 from .trial_effects import NO_EFFECTS, ProbableEffects, marginal_products_at_effects
 
 
 @dataclass(frozen=True)
-class Normal:
+class NormalEquationsByTrial:
     """Normal equations of each trial at one point: trials t, free numbers p.
 
     hessian (t, p, p) = J'J, gradient (t, p) = J'e of the whitened errors, log_likelihood (t,).
@@ -41,8 +41,8 @@ class Normal:
         return all(bool(np.isfinite(part).all()) for part in parts)
 
 
-def trial_values(
-    kernel: CompiledSystem, base: Float, free: Sequence[Free], values: Float, group: str
+def trial_parameter_vector(
+    kernel: CompiledSystem, base: Float, free: Sequence[FreeParameter], values: Float, group: str
 ) -> Float:
     """Full parameter vector of a trial of `group`: `base` with the free numbers put in."""
     out = base.copy()
@@ -53,12 +53,21 @@ def trial_values(
     return out
 
 
-@np.errstate(over="ignore", invalid="ignore")  # `Normal.usable` is False for a model that diverges
-def normal_equations(
-    kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free],
-    values: Float, *, noise: Noise, predictor: FilterResults | None = None,
-    spreads: Mapping[str, float] | None = None, effects: Float | None = None,
-) -> Normal:  # fmt: skip
+@np.errstate(
+    over="ignore", invalid="ignore"
+)  # `NormalEquationsByTrial.usable` is False for a model that diverges
+def trial_normal_equations(
+    kernel: CompiledSystem,
+    series: Sequence[TrialSeries],
+    base: Float,
+    free: Sequence[FreeParameter],
+    values: Float,
+    *,
+    noise: Noise,
+    predictor: FilterResults | None = None,
+    spreads: Mapping[str, float] | None = None,
+    effects: Float | None = None,
+) -> NormalEquationsByTrial:
     """Normal equations at a point, from one filter pass and one batch of perturbed predictions.
 
     spreads: prior standard deviations about 0 by label, in place of `Parameter.spread`.
@@ -67,7 +76,7 @@ def normal_equations(
     predictor: gains of a filter at another point over the same series, held in place of a new
     pass; many candidates are then compared as predictors of one form, at a fraction of the cost.
     """
-    points = [trial_values(kernel, base, free, values, s.group) for s in series]
+    points = [trial_parameter_vector(kernel, base, free, values, s.group) for s in series]
     passes = predictor or filter_all(kernel, series, points, noise)
     slots = slots_by_name(kernel)
     groups = [s.group for s in series]
@@ -79,7 +88,7 @@ def normal_equations(
     )
     information, score, side = side_measurement_terms(kernel, series, free, points)
     known = prior_terms(kernel, free, values, len(series), spreads)
-    return Normal(
+    return NormalEquationsByTrial(
         products[:, 1:, 1:] + information + known.hessian,
         products[:, 1:, 0] + score + known.gradient,
         passes.log_lik_const - 0.5 * products[:, 0, 0] + constant + side
@@ -89,9 +98,9 @@ def normal_equations(
 
 
 def prior_terms(
-    kernel: CompiledSystem, free: Sequence[Free], values: Float, trials: int,
+    kernel: CompiledSystem, free: Sequence[FreeParameter], values: Float, trials: int,
     spreads: Mapping[str, float] | None = None,
-) -> Normal:  # fmt: skip
+) -> NormalEquationsByTrial:  # fmt: skip
     """What is plausible before any data (`Parameter.spread` about `start`, or `spreads` about 0 by
     label), shared evenly among the trials.
     """
@@ -101,7 +110,7 @@ def prior_terms(
     precision = np.array(stds) ** -2.0 / trials
     means = [0.0 if f.label in known else p.start for f, p in zip(free, parameters, strict=True)]
     off = np.array(means) - values
-    return Normal(
+    return NormalEquationsByTrial(
         np.tile(np.diag(precision), (trials, 1, 1)),
         np.tile(precision * off, (trials, 1)),
         np.full(trials, -0.5 * float(precision @ off**2)),
@@ -109,7 +118,7 @@ def prior_terms(
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def log_likelihoods(
+def log_likelihood_by_trial(
     kernel: CompiledSystem,
     points: Sequence[Float],
     *,

@@ -11,7 +11,7 @@ from ..data import Float
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import MAX_STEP_S
 from .predictions import slots_by_name
-from .series import Free, Series, observations_and_weights, padded_arrays
+from .series import FreeParameter, TrialSeries, observations_and_weights, padded_arrays
 
 COARSE_STEP_S = 2 * MAX_STEP_S
 """Step of the integrator while a fit is led to where it may begin."""
@@ -54,9 +54,9 @@ class PaddedTrials:
 
 def padded_trials(
     kernel: CompiledSystem,
-    series: Sequence[Series],
+    series: Sequence[TrialSeries],
     base: Float,
-    free: Sequence[Free],
+    free: Sequence[FreeParameter],
     open_states: int,
 ) -> PaddedTrials:
     """Trials of a fit side by side.

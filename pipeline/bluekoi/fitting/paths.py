@@ -11,7 +11,7 @@ complement of each trial,
 with the right-hand sides b of the parameters and c of the start; the sum over trials is solved.
 Sixteen SIMD lanes hold a trial and all runs of its finite differences. The criterion is right where
 no random forces act: the model is unstable in straight runs, and small disturbances then look like
-physics. Prediction errors (`joint.fit`) do not have this fault.
+physics. Prediction errors (`fit_parameters_jointly`) do not have this fault.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import map_ranges_in_threads, propagate
+from ..integrate.batch import map_ranges_in_threads, simulate_batch
 from .bounded_step import bounded_step
 from .gram import set_products
-from .joint_fit import CONVERGED, STALLED, Fit
-from .normal import Normal
+from .joint_fit import CONVERGED, STALLED, ParameterFit
+from .normal import NormalEquationsByTrial
 from .padded import PaddedTrials, padded_trials
 from .predictions import slots_by_name
-from .series import Free, Series
+from .series import FreeParameter, TrialSeries
 
 START_STATE_DIFFERENCE = 1e-4
 FIT_HORIZON_SHARES, COARSE_ITERATIONS = (0.25, 0.5, 1.0), 6
@@ -42,10 +42,10 @@ TRIALS_PER_CALL = 64
 
 
 @dataclass(frozen=True)
-class PathFit:
+class TrajectoryFit:
     """A joint fit on trajectories, and the starts (trials, states) that go with it."""
 
-    fit: Fit
+    fit: ParameterFit
     starts: Float
 
 
@@ -68,11 +68,18 @@ class _BlockNormal:
 NO_BLOCKS = _BlockNormal(*(np.zeros(0) for _ in range(6)))
 
 
-def fit_paths(
-    kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free], *, start:
-    Mapping[str, float] | None = None, open_states: int = 6, iterations: int = 40, tolerance: float
-    = 1e-3, shares: Sequence[float] = FIT_HORIZON_SHARES,
-) -> PathFit:  # fmt: skip
+def fit_trajectories(
+    kernel: CompiledSystem,
+    series: Sequence[TrialSeries],
+    base: Float,
+    free: Sequence[FreeParameter],
+    *,
+    start: Mapping[str, float] | None = None,
+    open_states: int = 6,
+    iterations: int = 40,
+    tolerance: float = 1e-3,
+    shares: Sequence[float] = FIT_HORIZON_SHARES,
+) -> TrajectoryFit:
     """Levenberg-Marquardt on trajectories, starting states free, bounds kept.
 
     shares: of each trial's frames, one after the other, the last one 1; (1.0,) where the start is
@@ -92,7 +99,7 @@ def fit_paths(
                             iterations=iterations if whole else COARSE_ITERATIONS,
                             tolerance=tolerance if whole else 1.0)  # fmt: skip
     normal, _ = _eliminate_starts(at.blocks, 0.0)
-    return PathFit(Fit(tuple(free), at.x, normal, at.outcome, at.count), at.starts)
+    return TrajectoryFit(ParameterFit(tuple(free), at.x, normal, at.outcome, at.count), at.starts)
 
 
 @dataclass(frozen=True)
@@ -171,7 +178,7 @@ def _error_and_slope_products(
     for k, (slot, own) in enumerate(problem.own):
         values[own[trials], slot] = x[k]
         values[own[trials], slot, count + 1 + k] += size[count + k]
-    observed, _ = propagate(
+    observed, _ = simulate_batch(
         problem.kernel, state, values, problem.constants[trials], times=problem.times[trials],
         inputs=problem.inputs[trials], frames=problem.frames[trials],
         step_s=problem.kernel.system.step_s or problem.step_s,
@@ -182,11 +189,13 @@ def _error_and_slope_products(
     return out
 
 
-def _eliminate_starts(blocks: _BlockNormal, damping: float) -> tuple[Normal, tuple[Float, Float]]:
+def _eliminate_starts(
+    blocks: _BlockNormal, damping: float
+) -> tuple[NormalEquationsByTrial, tuple[Float, Float]]:
     """Schur complement, summed over trials; the starts' steps: slope (t, s, p) and own (t, s)."""
     if blocks.start.size == 0:
         nothing = blocks.mixed.transpose(0, 2, 1)
-        return Normal(blocks.common, blocks.common_rhs, -0.5 * blocks.cost), (
+        return NormalEquationsByTrial(blocks.common, blocks.common_rhs, -0.5 * blocks.cost), (
             nothing,
             blocks.start_rhs,
         )
@@ -195,7 +204,7 @@ def _eliminate_starts(blocks: _BlockNormal, damping: float) -> tuple[Normal, tup
     own = _solve_stacked(C, blocks.start_rhs[:, :, None])[:, :, 0]
     hessian = blocks.common - blocks.mixed @ inverse_mixed
     gradient = blocks.common_rhs - np.einsum("tps,ts->tp", blocks.mixed, own)
-    return Normal(hessian, gradient, -0.5 * blocks.cost), (-inverse_mixed, own)
+    return NormalEquationsByTrial(hessian, gradient, -0.5 * blocks.cost), (-inverse_mixed, own)
 
 
 def _solve_stacked(matrices: Float, sides: Float) -> Float:

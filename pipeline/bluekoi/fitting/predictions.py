@@ -12,10 +12,10 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import map_ranges_in_threads, propagate
-from .filtering import MAX_FILTER_STEP_S, FilterResults, with_noise
+from ..integrate.batch import map_ranges_in_threads, simulate_batch
+from .filtering import MAX_FILTER_STEP_S, FilterResults, values_with_noise_switched_on
 from .gram import set_whitened_products
-from .series import Free, Noise
+from .series import FreeParameter, Noise
 
 CHANGES_PER_BLOCK = LANES - 1
 DIFFERENCE_SHARE = 1e-6
@@ -43,7 +43,7 @@ def slots_by_name(kernel: CompiledSystem) -> dict[str, int]:
     return kernel.system.slot
 
 
-def difference_step(kernel: CompiledSystem, free: Free, value: float) -> float:
+def difference_step(kernel: CompiledSystem, free: FreeParameter, value: float) -> float:
     """Size of the difference in a free number, away from its upper bound.
 
     A share `DIFFERENCE_SHARE` of the number, or of a twentieth of its plausible magnitude.
@@ -98,8 +98,10 @@ def _predicted_observations(
 
     mean, constants = (np.array([getattr(s, k) for s in passes.series])[trials]
                        for k in ("mean", "constants"))  # fmt: skip
-    values = np.moveaxis(with_noise(kernel, np.moveaxis(values, 1, 0), noise), 0, 1)
-    observed, _ = propagate(
+    values = np.moveaxis(
+        values_with_noise_switched_on(kernel, np.moveaxis(values, 1, 0), noise), 0, 1
+    )
+    observed, _ = simulate_batch(
         kernel, np.repeat(mean[:, :, None], LANES, axis=2), values,
         np.repeat(constants[:, :, None], LANES, axis=2),
         times=of_blocks(passes.times), inputs=of_blocks(passes.inputs),

@@ -16,7 +16,7 @@ njit_nogil_fast = njit(cache=True, error_model="numpy", nogil=True, fastmath=FAS
 
 
 @njit_nogil_fast
-def log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
+def write_log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     counts, times, F, H, correction, level, residual, noise, cov, tau, variance, memory, scales,
     first, last, out,
 ):  # fmt: skip
@@ -30,18 +30,29 @@ def log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     PH, S, W = np.zeros((a, q)), np.zeros((q, q)), np.zeros((q, q))
     for t in range(first, last):
         logl = 0.0
-        initialise(d, P, cov[t], tau, variance)
+        reset_deviation_and_covariance(d, P, cov[t], tau, variance)
         for k in range(counts[t]):
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
-                predict(d, P, A, AP, F[t, k], correction[t, k - 1], level[t, k - 1], tau, variance,
-                        memory, dt)  # fmt: skip
-            logl += update(d, P, PH, S, W, e, H[t, k], residual[t, k], noise[t, k], scales)
+                kalman_predict(
+                    d,
+                    P,
+                    A,
+                    AP,
+                    F[t, k],
+                    correction[t, k - 1],
+                    level[t, k - 1],
+                    tau,
+                    variance,
+                    memory,
+                    dt,
+                )
+            logl += kalman_update(d, P, PH, S, W, e, H[t, k], residual[t, k], noise[t, k], scales)
         out[t] = logl
 
 
 @njit_nogil_fast
-def initialise(d, P, cov, tau, variance) -> None:  # type: ignore[no-untyped-def]
+def reset_deviation_and_covariance(d, P, cov, tau, variance) -> None:  # type: ignore[no-untyped-def]
     """No deviation, and the covariance before the first frame."""
     for i in range(len(P)):
         d[0, i] = 0.0
@@ -51,17 +62,17 @@ def initialise(d, P, cov, tau, variance) -> None:  # type: ignore[no-untyped-def
 
 
 @njit_nogil_fast
-def predict(  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def kalman_predict(  # type: ignore[no-untyped-def]  # noqa: PLR0917
     d, P, A, AP, F, correction, level, tau, variance, memory, dt
 ) -> None:
     """D = A (d - correction) + (A - F) level and P = A P A' + Q, to the next frame."""
-    transition(A, F, tau, memory, dt)
+    write_transition_matrix(A, F, tau, memory, dt)
     _propagate_deviation(d, A, F, correction, level)
     _propagate_covariance(P, A, AP, variance, memory, dt)
 
 
 @njit_nogil_fast
-def update(  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def kalman_update(  # type: ignore[no-untyped-def]  # noqa: PLR0917
     d, P, PH, S, W, e, H, residual, noise, scales
 ) -> float:
     """Deviation and covariance after a frame; its log likelihood. Into e and W the innovation and
@@ -74,7 +85,7 @@ def update(  # type: ignore[no-untyped-def]  # noqa: PLR0917
 
 
 @njit_nogil_fast
-def transition(A, F, tau, memory, dt) -> None:  # type: ignore[no-untyped-def]
+def write_transition_matrix(A, F, tau, memory, dt) -> None:  # type: ignore[no-untyped-def]
     """A = F with other memories: a column goes with tau (1 - exp(-dt / tau))."""
     for k in range(len(tau)):
         lead = 1.0

@@ -13,8 +13,8 @@ from scipy.special import chdtri
 
 from ..data import Float
 from ..integrate import CompiledSystem
-from .joint_fit import Fit, pseudo_inverse
-from .normal import Normal
+from .joint_fit import ParameterFit, regularised_fisher_inverse
+from .normal import NormalEquationsByTrial
 from .sandwich import ClusterCovariance
 
 MAX_DF = 1e6
@@ -30,7 +30,7 @@ what they do, leaving out a trial would throw them far along a line of which not
 """
 
 
-def cov_jackknife(normal: Normal, estimated: np.ndarray | None = None) -> Float:
+def cov_jackknife(normal: NormalEquationsByTrial, estimated: np.ndarray | None = None) -> Float:
     """Covariance (p, p) of the fitted numbers from leaving out one trial at a time.
 
     estimated (p,): which numbers are off their bounds; the others get zero variance.
@@ -41,7 +41,7 @@ def cov_jackknife(normal: Normal, estimated: np.ndarray | None = None) -> Float:
     return _cov_at_least_quarter_naive(normal, move, (n - 1) / n * influence.T @ influence)
 
 
-def cov_hc2(normal: Normal, estimated: np.ndarray) -> Float:
+def cov_hc2(normal: NormalEquationsByTrial, estimated: np.ndarray) -> Float:
     """Covariance (p, p) of the fitted numbers from how the trials' scores g_t scatter.
 
     With S_t the share that trial t has of the Fisher matrix H, its score is left with the variance
@@ -54,7 +54,9 @@ def cov_hc2(normal: Normal, estimated: np.ndarray) -> Float:
     return _cov_at_least_quarter_naive(normal, estimated, influence.T @ influence)
 
 
-def _cov_at_least_quarter_naive(normal: Normal, move: np.ndarray, scattered: Float) -> Float:
+def _cov_at_least_quarter_naive(
+    normal: NormalEquationsByTrial, move: np.ndarray, scattered: Float
+) -> Float:
     """Never less than a quarter of the naive variance: few trials may agree by chance."""
     naive = inverse_fisher(normal, move)
     if len(normal.gradient) < 2 or not move.any():
@@ -64,7 +66,7 @@ def _cov_at_least_quarter_naive(normal: Normal, move: np.ndarray, scattered: Flo
     return cov
 
 
-def _trial_influence(normal: Normal, move: np.ndarray, power: float) -> Float:
+def _trial_influence(normal: NormalEquationsByTrial, move: np.ndarray, power: float) -> Float:
     """Influence of each informative trial on the estimated numbers, (trials, estimated):
     R (1 - S_t)^-power R' g_t; with power 1 that of leaving it out.
     """
@@ -79,11 +81,11 @@ def _trial_influence(normal: Normal, move: np.ndarray, power: float) -> Float:
     )
 
 
-def inverse_fisher(normal: Normal, move: np.ndarray) -> Float:
+def inverse_fisher(normal: NormalEquationsByTrial, move: np.ndarray) -> Float:
     """Inverse Fisher matrix (p, p) of the numbers that move, zero for those held at a bound."""
     out = np.zeros((len(move), len(move)))
     both = np.ix_(move, move)
-    out[both] = pseudo_inverse(normal.hessian.sum(axis=0)[both])
+    out[both] = regularised_fisher_inverse(normal.hessian.sum(axis=0)[both])
     return out
 
 
@@ -102,7 +104,7 @@ def _inverse_without_each_trial(total: Float, own: Float, power: float) -> Float
     return (back / share) @ np.swapaxes(back, 1, 2)
 
 
-def off_bounds(kernel: CompiledSystem, found: Fit) -> np.ndarray:
+def off_bounds(kernel: CompiledSystem, found: ParameterFit) -> np.ndarray:
     """Which fitted numbers are off their bounds, (p,)."""
     parameters = [kernel.system.parameters[kernel.system.slot[f.name]] for f in found.free]
     inside = [p.lower < v < p.upper for p, v in zip(parameters, found.values, strict=True)]
@@ -110,7 +112,7 @@ def off_bounds(kernel: CompiledSystem, found: Fit) -> np.ndarray:
 
 
 def student_t_draws(
-    fit: Fit, spread: ClusterCovariance, count: int, rng: np.random.Generator
+    fit: ParameterFit, spread: ClusterCovariance, count: int, rng: np.random.Generator
 ) -> Float:
     """Draws (count, p) of the fitted numbers, each as wide as its own Student's t.
 

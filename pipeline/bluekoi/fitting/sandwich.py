@@ -27,8 +27,8 @@ import numpy as np
 from scipy.special import stdtrit
 
 from ..data import Float
-from .joint_fit import pseudo_inverse
-from .normal import Normal
+from .joint_fit import regularised_fisher_inverse
+from .normal import NormalEquationsByTrial
 
 MIN_INFORMATION_SHARE_LEFT = 0.02
 """A direction of which one trial holds more than 98 % cannot be judged from the others."""
@@ -114,7 +114,7 @@ class TrialRandomEffect:
         With C = (sum H_t)^-1 and k = c' C c of a trial: a = h - k, b = h^2 - 2 k h + c' C D C c,
         D = sum c c' over trials: the fit goes along with it.
         """
-        C = pseudo_inverse(hessian.sum(axis=0))
+        C = regularised_fisher_inverse(hessian.sum(axis=0))
         taken = np.einsum("tp,pq,tq->t", self.cross, C, self.cross)
         every = C @ (self.cross.T @ self.cross) @ C
         a = self.fisher - taken
@@ -127,7 +127,7 @@ class TrialRandomEffect:
 
 
 def cluster_covariance(
-    normal: Normal,
+    normal: NormalEquationsByTrial,
     estimated: np.ndarray | None = None,
     trial_effect: TrialRandomEffect | None = None,
     *,
@@ -148,7 +148,7 @@ def cluster_covariance(
     H = normal.hessian[:, move][:, :, move]
     total = H.sum(axis=0)
     if count < 2:
-        cov[np.ix_(move, move)] = pseudo_inverse(total)
+        cov[np.ix_(move, move)] = regularised_fisher_inverse(total)
         return ClusterCovariance(cov, df)
     root = _inverse_square_root(total)
     leverage = root.T @ H @ root
@@ -175,13 +175,15 @@ def _trial_effect_scores_cov(
     return variance * np.einsum("tp,tq->tpq", k, k)
 
 
-def newton_step_off_bounds(normal: Normal) -> tuple[Float, ClusterCovariance]:
+def newton_step_off_bounds(normal: NormalEquationsByTrial) -> tuple[Float, ClusterCovariance]:
     """Change (p,) to where all numbers would go if none were held at a bound, by one Newton step,
     and their `ClusterCovariance` there.
     """
-    change = pseudo_inverse(normal.hessian.sum(axis=0)) @ normal.gradient.sum(axis=0)
+    change = regularised_fisher_inverse(normal.hessian.sum(axis=0)) @ normal.gradient.sum(axis=0)
     gradient = normal.gradient - normal.hessian @ change
-    return change, cluster_covariance(Normal(normal.hessian, gradient, normal.log_likelihood))
+    return change, cluster_covariance(
+        NormalEquationsByTrial(normal.hessian, gradient, normal.log_likelihood)
+    )
 
 
 def _inverse_square_root(matrix: Float) -> Float:

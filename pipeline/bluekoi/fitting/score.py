@@ -17,7 +17,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from .recursion import initialise, njit_nogil_fast, predict, transition, update
+from .recursion import (
+    kalman_predict,
+    kalman_update,
+    njit_nogil_fast,
+    reset_deviation_and_covariance,
+    write_transition_matrix,
+)
 
 
 @njit_nogil_fast
@@ -27,7 +33,7 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
 ):  # fmt: skip
     """Log likelihoods into `out` (t,), and their slopes by variance and memory of the random states
     (t, a), and by the factors on `noise` (t, o, o), of trials `first` to `last`; arguments as in
-    `recursion.log_likelihoods`.
+    `recursion.write_log_likelihoods`.
     """
     n, a, q = F.shape[1], F.shape[2], H.shape[2]
     after, predicted = np.zeros((n, a)), np.zeros((n, a, a))
@@ -38,15 +44,26 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
     tall, short = np.zeros((2, a, a)), np.zeros((3, q))
     for t in range(first, last):
         out[t] = 0.0
-        initialise(d, P, cov[t], tau, variance)
+        reset_deviation_and_covariance(d, P, cov[t], tau, variance)
         for k in range(counts[t]):
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
-                predict(d, P, A, AP, F[t, k], correction[t, k - 1], level[t, k - 1], tau, variance,
-                        memory, dt)  # fmt: skip
+                kalman_predict(
+                    d,
+                    P,
+                    A,
+                    AP,
+                    F[t, k],
+                    correction[t, k - 1],
+                    level[t, k - 1],
+                    tau,
+                    variance,
+                    memory,
+                    dt,
+                )
             _copy_into(P, predicted[k])
-            out[t] += update(d, P, PH, S, roots[k], errors[k], H[t, k], residual[t, k],
-                             noise[t, k], scales)  # fmt: skip
+            out[t] += kalman_update(d, P, PH, S, roots[k], errors[k], H[t, k], residual[t, k],
+                                    noise[t, k], scales)  # fmt: skip
             _copy_into(P, filtered[k])
             for i in range(a):
                 after[k, i] = d[0, i]
@@ -58,7 +75,7 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
             )  # fmt: skip
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
-                transition(A, F[t, k], tau, memory, dt)
+                write_transition_matrix(A, F[t, k], tau, memory, dt)
                 _multiply_into(U, A, AP)
                 for i in range(a):
                     d[0, i] = after[k - 1, i] - correction[t, k - 1, i] + level[t, k - 1, i]

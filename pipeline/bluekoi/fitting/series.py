@@ -24,7 +24,7 @@ class SharedMeasurement:
 
 
 @dataclass(frozen=True)
-class Series:
+class TrialSeries:
     """One trial as the filter sees it.
 
     times (n,), inputs (n, inputs), constants (constants,), seen (n, observations) with NaN where
@@ -47,7 +47,7 @@ class Series:
     evidence: dict[str, tuple[float, float]] = field(default_factory=dict)
     shared: SharedMeasurement | None = None
 
-    def frames(self, first: int, last: int) -> Series:
+    def frames(self, first: int, last: int) -> TrialSeries:
         """Frames `first` to `last` (excluded) of the trial, with the same start."""
         part = slice(first, last)
         return replace(self, times=self.times[part], inputs=self.inputs[part],
@@ -90,7 +90,7 @@ class Noise:
 
 
 @dataclass(frozen=True)
-class Free:
+class FreeParameter:
     """One number that a fit may change: a parameter, for all groups or for one alone."""
 
     name: str
@@ -109,7 +109,7 @@ def padded_arrays(parts: Sequence[Float]) -> Float:
                      for p in parts])  # fmt: skip
 
 
-def observations_and_weights(series: Sequence[Series]) -> tuple[np.ndarray, Float, Float]:
+def observations_and_weights(series: Sequence[TrialSeries]) -> tuple[np.ndarray, Float, Float]:
     """Frames (t,) of trials side by side; what was seen (t, n, o) and its weight, one over the
     stated deviation; both 0 where missing or after a trial's end.
     """

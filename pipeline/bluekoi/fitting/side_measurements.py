@@ -1,6 +1,7 @@
 """Side measurements: numbers measured beside the motion, such as a scale or a motor's lost time.
 
-Each is a further prediction error of its trial; the effects say what they predict (`EVIDENCE`).
+Each is a further prediction error of its trial; the effects say what they predict
+(`SIDE_MEASUREMENT_PREDICTIONS`).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import CompiledSystem, Effect, System
 from ..integrate.system import Function
-from .series import Free, Series, SharedMeasurement
+from .series import FreeParameter, SharedMeasurement, TrialSeries
 
 NO_INFORMATION = (0.0, np.inf)
 """A side measurement without information."""
@@ -23,7 +24,10 @@ DIFFERENCE_SHARE_OF_RANGE = 1e-4
 
 
 def side_measurement_terms(
-    kernel: CompiledSystem, series: Sequence[Series], free: Sequence[Free], points: Sequence[Float]
+    kernel: CompiledSystem,
+    series: Sequence[TrialSeries],
+    free: Sequence[FreeParameter],
+    points: Sequence[Float],
 ) -> tuple[Float, Float, Float]:
     """Information (t, p, p), gradient (t, p) and log likelihood (t,) of the side measurements in
     the free numbers; points: full parameter vectors of the trials.
@@ -35,7 +39,7 @@ def side_measurement_terms(
     for name in sorted({name for s in series for name in s.evidence}):
         value, std = np.array([s.evidence.get(name, NO_INFORMATION) for s in series]).T
         found, slopes = predict_side_measurement(
-            kernel.system, name, np.array(points), trial_means(series)
+            kernel.system, name, np.array(points), trial_input_means(series)
         )
         error = (value - found) / std
         rows = slopes[:, slots] * own / std[:, None]
@@ -72,7 +76,7 @@ def _shared_terms(
     return J.T @ J, -J.T @ error, -0.5 * float(error @ error)
 
 
-def trial_means(series: Sequence[Series]) -> Float:
+def trial_input_means(series: Sequence[TrialSeries]) -> Float:
     """Means of the inputs and of the time in the trials (t, inputs + 1)."""
     return np.array([[*s.inputs.mean(axis=0), s.times.mean()] for s in series])
 
@@ -81,7 +85,7 @@ def predict_side_measurement(
     system: System, name: str, points: Float, means: Float
 ) -> tuple[Float, Float]:
     """Prediction of a side measurement (t,) at parameters (t, parameters), and its slopes; means:
-    `trial_means`.
+    `trial_input_means`.
     """
     weights = _linear_weights(system, name)
     value, slopes = points @ weights, np.tile(weights, (len(points), 1))

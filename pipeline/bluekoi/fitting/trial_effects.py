@@ -16,7 +16,7 @@ from ..data import Float
 from ..integrate import CompiledSystem
 from .filtering import FilterResults
 from .predictions import ParameterChange, difference_step, slots_by_name, whitened_products
-from .series import Free, Noise
+from .series import FreeParameter, Noise
 
 NEWTON_STEPS = 2
 """Newton steps to the most probable effects: they are small, and the predictions nearly linear."""
@@ -108,7 +108,7 @@ def trial_effect_changes(
     out = []
     for effect in noise.trial_effects:
         slot = slots[effect.parameter]
-        free = Free(effect.parameter)
+        free = FreeParameter(effect.parameter)
         out.append(
             ParameterChange(
                 difference_step(kernel, free, float(points[0][slot])), every, {slot: 1.0}

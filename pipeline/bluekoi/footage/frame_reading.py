@@ -26,7 +26,7 @@ BYTES_PER_PIXEL = 1.5
 Size = tuple[int, int]
 
 
-class Film:
+class FrameSource:
     """Frames of a recording: iterate for all of them, as often as wanted, or take a few that are
     `evenly_spaced_frames`.
 
@@ -59,7 +59,9 @@ class Film:
         return evenly_spaced_frames(self.recording, count, self._open)
 
 
-def frames(recording: Recording, *, colour: bool = False, bgr_size: Size | None = None) -> Film:
+def frames(
+    recording: Recording, *, colour: bool = False, bgr_size: Size | None = None
+) -> FrameSource:
     """Frames of the recording's part in order, times in s from its first frame shown.
 
     The luma is a view into the decoder's own picture where the format allows (no copy); bgr only
@@ -67,7 +69,7 @@ def frames(recording: Recording, *, colour: bool = False, bgr_size: Size | None 
     left out; frames whose time repeats or goes back too. `index` counts the frames read from the
     recording's start, those before start_s included.
     """
-    return Film(recording, colour, bgr_size)
+    return FrameSource(recording, colour, bgr_size)
 
 
 def _iterate_frames(

@@ -10,7 +10,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..errors import Finding, InputError, input_error
+from ..errors import InputError, InputIssue, input_error
 
 _CHAPTER_NAME_PATTERN = re.compile(r"(?i)(G[A-Z])(\d{2})(\d{4})")
 _FIRST_CHAPTER_NAME_PATTERN = re.compile(r"(?i)GOPR(\d{4})")
@@ -53,7 +53,7 @@ def _check_chapters_complete(numbers: list[int], paths: list[Path]) -> None:
     if missing:
         text = ", ".join(f"{number:02d}" for number in missing)
         raise InputError(
-            Finding(
+            InputIssue(
                 str(paths[0]),
                 "chapters",
                 f"chapter {text} missing among {', '.join(path.name for path in paths)}",

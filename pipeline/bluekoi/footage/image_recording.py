@@ -16,7 +16,7 @@ from ..errors import input_error
 from ..study.image_files import IMAGE_SUFFIXES
 from .recording import IMAGES_CODEC, Recording
 
-Picture = npt.NDArray[np.uint8]
+RecordedPixels = npt.NDArray[np.uint8]
 MIN_PRESENT_SHARE = 0.5
 """Numbers in file names count frames if so many of the frames between the first and the last are
 there; otherwise (times of day, for example) the pictures follow each other."""
@@ -137,7 +137,7 @@ def _read_image_frames(
         yield Frame(number, number / recording.nominal_fps, luma, picture if colour else None)
 
 
-def _read_image(path: Path, *, colour: bool) -> Picture | None:
+def _read_image(path: Path, *, colour: bool) -> RecordedPixels | None:
     """A picture, (height, width) or (height, width, 3) bgr, 8 bit; None where it cannot be read."""
     found = cv2.imread(str(path), cv2.IMREAD_COLOR if colour else cv2.IMREAD_GRAYSCALE)
     return None if found is None else np.asarray(found, dtype=np.uint8)

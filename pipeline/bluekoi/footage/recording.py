@@ -12,13 +12,13 @@ from .gopro_chapters import gopro_chapter, sort_chapters, unlisted_chapters
 from .gopro_telemetry import camera_seconds_per_footage_second
 from .luma_planes import Luma
 from .mp4_boxes import ContainerBoxes, read_container_boxes
-from .video_probe import Probe, probe
+from .video_probe import VideoProperties, video_properties
 
-CLOCK_TOLERANCE_SHARE = 0.02
+MAX_FILE_CLOCK_DIFFERENCE_SHARE = 0.02
 """Relative difference of two clocks of a recording above which it is reported."""
 IMAGES_CODEC = "images"
 """Codec of a recording whose frames are picture files."""
-STRETCHED_LENS_MODES = {"S": "SuperView", "H": "HyperView"}
+GOPRO_STRETCHED_MODES = {"S": "SuperView", "H": "HyperView"}
 """Code of a GoPro's lens mode -> name, for those that stretch the picture by an unknown law."""
 
 
@@ -108,7 +108,7 @@ def open_recording(
     return recording
 
 
-def _probe_checked(path: Path, fps: float | None) -> Probe:
+def _probe_checked(path: Path, fps: float | None) -> VideoProperties:
     """Probe of one file that is worth decoding."""
     if not path.is_file():
         raise input_error(path, "", "no such file", "a video file")
@@ -118,7 +118,7 @@ def _probe_checked(path: Path, fps: float | None) -> Probe:
     boxes = read_container_boxes(path)
     if boxes is not None and not boxes.has_index:
         raise _missing_index_error(path)
-    result = probe(path, boxes)
+    result = video_properties(path, boxes)
     _check_lens_mode(path, boxes)
     _check_frame_rate(path, result, fps)
     if boxes is not None and boxes.gopro and fps is None:
@@ -140,17 +140,17 @@ def _missing_index_error(path: Path) -> InputError:
 
 def _check_lens_mode(path: Path, boxes: ContainerBoxes | None) -> None:
     mode = boxes.gopro.get("VFOV", "") if boxes else ""
-    if mode in STRETCHED_LENS_MODES:
+    if mode in GOPRO_STRETCHED_MODES:
         raise input_error(
             path,
             "lens mode",
-            STRETCHED_LENS_MODES[mode],
+            GOPRO_STRETCHED_MODES[mode],
             "Wide, Linear or Narrow",
             "This mode stretches the picture so that no lens model fits; film in Linear.",
         )
 
 
-def _check_frame_rate(path: Path, found: Probe, fps: float | None) -> None:
+def _check_frame_rate(path: Path, found: VideoProperties, fps: float | None) -> None:
     captured = found.capture_fps
     if captured and fps is None and abs(captured / found.fps - 1) > 0.02:
         raise input_error(
@@ -165,7 +165,7 @@ def _check_frame_rate(path: Path, found: Probe, fps: float | None) -> None:
 def _check_telemetry_clock(path: Path) -> None:
     """InputError if the clock in a GoPro's telemetry ran faster than the footage."""
     ran = camera_seconds_per_footage_second(path)
-    if ran is not None and abs(ran - 1) > CLOCK_TOLERANCE_SHARE:
+    if ran is not None and abs(ran - 1) > MAX_FILE_CLOCK_DIFFERENCE_SHARE:
         raise input_error(
             path,
             "frame rate",
@@ -175,7 +175,7 @@ def _check_telemetry_clock(path: Path) -> None:
         )
 
 
-def _check_same_format(paths: tuple[Path, ...], probes: list[Probe]) -> None:
+def _check_same_format(paths: tuple[Path, ...], probes: list[VideoProperties]) -> None:
     kinds = [(p.size_px, p.rotation_deg) for p in probes]
     for path, kind in zip(paths, kinds, strict=True):
         if kind != kinds[0]:
@@ -187,12 +187,12 @@ def _check_same_format(paths: tuple[Path, ...], probes: list[Probe]) -> None:
             )
 
 
-def _chapter_starts_s(probes: list[Probe]) -> tuple[float, ...]:
+def _chapter_starts_s(probes: list[VideoProperties]) -> tuple[float, ...]:
     """Start of each chapter: the sum of the durations of those before it."""
     return tuple(accumulate((p.duration_s for p in probes[:-1]), initial=0.0))
 
 
-def _check_part_within_recording(recording: Recording, probes: list[Probe]) -> None:
+def _check_part_within_recording(recording: Recording, probes: list[VideoProperties]) -> None:
     ends = sum(p.duration_s for p in probes)
     if recording.fps is not None:
         ends = recording.frames_present / recording.fps
@@ -206,7 +206,7 @@ def _check_part_within_recording(recording: Recording, probes: list[Probe]) -> N
 
 
 def _recording_remarks(
-    paths: tuple[Path, ...], probes: list[Probe], fps: float | None
+    paths: tuple[Path, ...], probes: list[VideoProperties], fps: float | None
 ) -> tuple[str, ...]:
     found = [
         f"{path.name}: {remark}"

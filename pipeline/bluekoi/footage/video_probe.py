@@ -26,7 +26,7 @@ MAX_REORDERED_FRAMES = 4.5  # encoders that reorder frames write an edit list of
 
 
 @dataclass(frozen=True)
-class Probe:
+class VideoProperties:
     """One file: size as stored, rate, counts, duration on its own clock, remarks, key frames."""
 
     size_px: tuple[int, int]
@@ -43,7 +43,7 @@ class Probe:
     first_luma: Luma | None = None
 
 
-def probe(path: Path, boxes: ContainerBoxes | None) -> Probe:
+def video_properties(path: Path, boxes: ContainerBoxes | None) -> VideoProperties:
     """Probe of a file, its first picture decoded to be sure that it can be.
 
     Raises: InputError where the file is no video or its codec cannot be decoded.
@@ -56,7 +56,7 @@ def probe(path: Path, boxes: ContainerBoxes | None) -> Probe:
         first = _first_picture(container, stream, path)
         rotation = round(first.rotation / 90.0) * 90 % 360
         keys = _key_frame_stamps(stream, path.stat().st_size)
-        return Probe(
+        return VideoProperties(
             size_px=(stream.width, stream.height),
             codec=stream.codec_context.name,
             fps=fps,

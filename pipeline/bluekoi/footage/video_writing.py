@@ -13,11 +13,11 @@ import numpy.typing as npt
 from ..files import atomic_write
 
 TIME_BASE_S = Fraction(1, 90000)
-Picture = npt.NDArray[np.uint8]
+RecordedPixels = npt.NDArray[np.uint8]
 
 
 def encode_h264(
-    path: str | Path, pictures: Iterable[Picture], *, fps: float, size: tuple[int, int],
+    path: str | Path, pictures: Iterable[RecordedPixels], *, fps: float, size: tuple[int, int],
     crf: int = 23,
 ) -> int:  # fmt: skip
     """Number of pictures written to an H.264 mp4 (yuv420p, index in front).

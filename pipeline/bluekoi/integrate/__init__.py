@@ -2,7 +2,7 @@
 
 from ..vector_width import prefer_widest_vectors
 from .array_arguments import elementwise
-from .compiled_system import LANES, CompiledSystem, compiled, kernel_folder
+from .compiled_system import LANES, CompiledSystem, compile_system, kernel_folder
 from .system import Effect, Parameter, Stage, System, effect_from_module
 
 prefer_widest_vectors()

@@ -36,7 +36,7 @@ def _active_in_blocks(system: System, values: Float) -> np.ndarray:
     return np.maximum.reduceat(values[:, slots].any(axis=2), first, axis=1).astype(np.uint8)
 
 
-def propagate(
+def simulate_batch(
     kernel: CompiledSystem, state: Float, values: Float, constants: Float, *, times: Float,
     inputs: Float,
     frames: np.ndarray | None = None, seen: Float | None = None, gains: Float | None = None,

@@ -55,7 +55,7 @@ def exponential(x: float) -> float:
     return e * e
 
 
-def power(x: float, p: float) -> float:
+def branchless_power(x: float, p: float) -> float:
     """x^p for 1e-12 < x < 1e6, relative error below 1e-10 while |p log x| < 10.
 
     log x = 64 log y with y = x^(1/64) by square roots, and log y = 2 artanh((y - 1) / (y + 1)).

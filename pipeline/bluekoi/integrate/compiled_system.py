@@ -27,12 +27,12 @@ import numpy as np
 from ..errors import input_error
 from ..files import write_text
 from . import branchless
-from .dependence import RANDOM_EFFECT_KIND
+from .dependence import STOCHASTIC_EFFECT_KIND
 from .rows import LANES
 from .system import Function, System
 from .writing import kernel_source
 
-__all__ = ["LANES", "CompiledSystem", "compiled"]
+__all__ = ["LANES", "CompiledSystem", "compile_system"]
 
 _LOADING_LOCK = RLock()
 """Held while a kernel is written and loaded, so that two threads do not compile the same; nor may
@@ -72,12 +72,12 @@ class CompiledSystem:
 
     def _of(self, on: np.ndarray) -> _Compiled:
         """The kernel for the effects that are on."""
-        more = [e.kind != RANDOM_EFFECT_KIND for e in self.system.effects]
+        more = [e.kind != STOCHASTIC_EFFECT_KIND for e in self.system.effects]
         return _load_compiled(self.system, bool(np.any(on[more])))
 
 
 @lru_cache(maxsize=32)
-def compiled(system: System) -> CompiledSystem:
+def compile_system(system: System) -> CompiledSystem:
     """CompiledSystem of a system, compiled once per change of its sources."""
     return CompiledSystem(system)
 

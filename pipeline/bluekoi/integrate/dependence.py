@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from .inlining import InlinedCode, inlined
 from .system import Effect, Function, Stage, System
 
-RANDOM_EFFECT_KIND = "disturbance"
+STOCHASTIC_EFFECT_KIND = "disturbance"
 """Kind of effects that are present in every filter."""
 
 
@@ -49,7 +49,9 @@ def constant_stages(system: System) -> list[Stage]:
     known = {*(p.name for p in system.coefficients), *system.constants, *system.inputs}
     found: list[Stage] = []
     for stage in _intermediate_stages(system):
-        random = any(e.kind == RANDOM_EFFECT_KIND and stage.name in e.hooks for e in system.effects)
+        random = any(
+            e.kind == STOCHASTIC_EFFECT_KIND and stage.name in e.hooks for e in system.effects
+        )
         if not random and stage_arguments(stage, ()) <= known:
             found.append(stage)
             known |= set(stage.outputs)

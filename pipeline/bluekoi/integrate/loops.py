@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from .dependence import argument_names
 from .inlining import InlinedCode, inlined
-from .rows import LANES, Rows
+from .rows import LANES, RowNumbers
 from .system import Effect, Function, Stage
 
 
@@ -16,7 +16,7 @@ class Loop:
     passed_on: names that stand for other names or for numbers.
     """
 
-    def __init__(self, rows: Rows, passed_on: Mapping[str, str] | None = None) -> None:
+    def __init__(self, rows: RowNumbers, passed_on: Mapping[str, str] | None = None) -> None:
         self._rows, self._lines = rows, InlinedCode()
         self._passed_on = dict(passed_on or {})
         self._local: dict[str, str] = {}

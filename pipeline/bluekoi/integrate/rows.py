@@ -10,7 +10,7 @@ LANES = 16
 """Simulations that one call of the kernel advances together."""
 
 
-class Rows:
+class RowNumbers:
     """Row number of every named value: states, time, parameters, constants, inputs, outputs of
     stages, rates, start and sum of a Runge-Kutta step, observations. own: (effect, argument of its
     functions) -> row of its parameter.

@@ -234,25 +234,29 @@ def effect_from_module(module: ModuleType, stages: tuple[Stage, ...]) -> Effect:
         for stage in stages
         if stage.open and inspect.isfunction(getattr(module, stage.name, None))
     }
-    missing = [key for key in ("STATEMENT", "PARAMETERS", "KIND") if not hasattr(module, key)]
+    missing = [
+        key
+        for key in ("EFFECT_DESCRIPTION", "EFFECT_PARAMETERS", "EFFECT_KIND")
+        if not hasattr(module, key)
+    ]
     if missing or not hooks:
         raise TypeError(f"effect '{name}' lacks {', '.join(missing) or 'a function for a stage'}")
     return Effect(
         name=name,
-        kind=module.KIND,
-        statement=module.STATEMENT,
-        parameters=tuple(module.PARAMETERS),
+        kind=module.EFFECT_KIND,
+        statement=module.EFFECT_DESCRIPTION,
+        parameters=tuple(module.EFFECT_PARAMETERS),
         hooks=hooks,
         module=module.__name__,
-        channels=tuple(getattr(module, "CHANNELS", ())),
-        variables=tuple(getattr(module, "VARIABLES", ())),
-        states=tuple(getattr(module, "STATES", ())),
-        rates=getattr(module, "own_rates", None),
-        evidence=dict(getattr(module, "EVIDENCE", {})),
+        channels=tuple(getattr(module, "AFFECTED_CHANNELS", ())),
+        variables=tuple(getattr(module, "DEPENDS_ON_VARIABLES", ())),
+        states=tuple(getattr(module, "EFFECT_STATE_NAMES", ())),
+        rates=getattr(module, "effect_state_derivatives", None),
+        evidence=dict(getattr(module, "SIDE_MEASUREMENT_PREDICTIONS", {})),
         confused_with=tuple(getattr(module, "CONFUSED_WITH", ())),
-        regime=getattr(module, "REGIME", ""),
-        strengths=getattr(module, "STRENGTH_COUNT", 1),
-        starts=tuple(getattr(module, "STARTS", ())),
-        forms=dict(getattr(module, "FORMS", {})),
+        regime=getattr(module, "MOST_VISIBLE_WHERE", ""),
+        strengths=getattr(module, "STRENGTH_PARAMETER_COUNT", 1),
+        starts=tuple(getattr(module, "STRENGTH_START_VALUES", ())),
+        forms=dict(getattr(module, "FUNCTIONAL_FORMS", {})),
         needs_both_sides=getattr(module, "NEEDS_TURNS_TO_BOTH_SIDES", False),
     )

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .dependence import (
-    RANDOM_EFFECT_KIND,
+    STOCHASTIC_EFFECT_KIND,
     constant_stages,
     required_stages,
     stage_arguments,
@@ -21,7 +21,7 @@ from .dependence import (
     trivial_outputs,
 )
 from .loops import Loop
-from .rows import LANES, Rows
+from .rows import LANES, RowNumbers
 from .system import Effect, Function, Stage, System
 
 KERNEL_TEMPLATE, STEP_TEMPLATE = (
@@ -39,7 +39,7 @@ class _Plan:
     """What a kernel is written from; `called` collects functions that cannot be written out."""
 
     system: System
-    rows: Rows
+    rows: RowNumbers
     effects: tuple[Effect, ...]
     called: dict[str, Function] = field(default_factory=dict)
 
@@ -55,7 +55,7 @@ class _Plan:
 
 def kernel_source(system: System, *, general: bool) -> str:
     """Source text of a system's general kernel, or of its fast one."""
-    plan = _Plan(system, Rows(system), system.effects if general else random_parts(system))
+    plan = _Plan(system, RowNumbers(system), system.effects if general else random_parts(system))
     parts = {
         "hold": _constant_stages_source(plan),
         "observe": _observe_source(plan),
@@ -83,7 +83,7 @@ def kernel_source(system: System, *, general: bool) -> str:
 
 def random_parts(system: System) -> tuple[Effect, ...]:
     """The effects that every filter has: random forces and errors."""
-    return tuple(e for e in system.effects if e.kind == RANDOM_EFFECT_KIND)
+    return tuple(e for e in system.effects if e.kind == STOCHASTIC_EFFECT_KIND)
 
 
 def _zero_order_hold(plan: _Plan) -> list[str]:
@@ -153,7 +153,7 @@ def _fused_runge_kutta_stage(plan: _Plan, effects: Sequence[Effect]) -> list[str
     return plan.text(loop, 3)
 
 
-def _add_rate_to_sum(loop: Loop, rows: Rows, state: str, rate: str) -> None:
+def _add_rate_to_sum(loop: Loop, rows: RowNumbers, state: str, rate: str) -> None:
     """Add a rate to a state's sum, and set the state for the next part of the step."""
     start = loop.load(rows.of(f"start_{state}"))
     loop.store(rows.of(state), f"{start} + {loop.value('reach')} * {rate}")

@@ -1,7 +1,7 @@
 """Keypoints from footage or from other people's files; every module in this folder is a source.
 
-Sources from footage have `detect(frames, setup, trial) -> Keypoints`, those from files
-`read(path, trial, bodyparts) -> Keypoints`. A new source is one new module here.
+Sources from footage have `detect_keypoints(frames, setup, trial) -> Keypoints`, those from files
+`read_keypoints_of_trial(path, trial, bodyparts) -> Keypoints`. A new source is one new module here.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..data import MIN_LIKELIHOOD, Float, Keypoints, read_columns, write_columns
+from ..data import MIN_KEYPOINT_LIKELIHOOD, Float, Keypoints, read_columns, write_columns
 from ..errors import InputError, input_error
 from ..files import atomic_write
 from ..study import Trial
@@ -24,11 +24,13 @@ TRIALS_FILE = "trials.csv"
 COVARIANCE_ENTRIES = (("xx", 0, 0), ("xy", 0, 1), ("yy", 1, 1))
 
 
-def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -> Keypoints:
+def read_keypoints_of_trial(
+    path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None
+) -> Keypoints:
     """Keypoints of a trial from a csv or h5 file, times = frame / trial.fps.
 
-    A sidecar `<name>.cov.csv` beside the file, as `write` makes it, gives true times and
-    covariances; without it the covariance is the noise of the positions themselves. In files of
+    A sidecar `<name>.cov.csv` beside the file, as `write_keypoints_csv` makes it, gives true times
+    and covariances; without it the covariance is the noise of the positions themselves. In files of
     others a likelihood of 0.1 is enough where most points of a part have less than 0.6.
 
     Raises: InputError where the file is missing, is not DeepLabCut's (or SLEAP's) layout, is empty
@@ -37,7 +39,7 @@ def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -
     table = read_table(Path(path))
     fps = trial.fps or 30.0
     part_s = (trial.start_s, trial.end_s)
-    limit = {"min_likelihood": MIN_LIKELIHOOD} if is_own(Path(path)) else {}
+    limit = {"min_likelihood": MIN_KEYPOINT_LIKELIHOOD} if is_written_by_bluekoi(Path(path)) else {}
     found = to_keypoints(table, Path(path), fps=fps, bodyparts=bodyparts, part_s=part_s, **limit)
     if len(found.time_s) == 0:
         raise _empty_part_error(Path(path), trial, table.frame / fps)
@@ -58,9 +60,9 @@ def _empty_part_error(path: Path, trial: Trial, time_s: Float) -> InputError:
     )  # fmt: skip
 
 
-def is_own(path: Path) -> bool:
-    """Whether `write` wrote a file, with covariances beside it: its likelihoods are those of our
-    detectors, of which less than 0.6 means not seen.
+def is_written_by_bluekoi(path: Path) -> bool:
+    """Whether `write_keypoints_csv` wrote a file, with covariances beside it: its likelihoods are
+    those of our detectors, of which less than 0.6 means not seen.
     """
     if path.suffix.lower() != ".csv" or not covariance_path(path).is_file():
         return False
@@ -69,15 +71,15 @@ def is_own(path: Path) -> bool:
 
 
 def read_detections(path: Path, trial: Trial) -> Keypoints:
-    """Keypoints that `write` wrote: of the part to use, under our names."""
+    """Keypoints that `write_keypoints_csv` wrote: of the part to use, under our names."""
     whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
-    return read(path, whole)
+    return read_keypoints_of_trial(path, whole)
 
 
 def read_table(path: Path) -> Table:
     """Table of a csv or h5 of DeepLabCut's, or of a SLEAP analysis h5.
 
-    Raises: InputError as `read`.
+    Raises: InputError as `read_keypoints_of_trial`.
     """
     if not path.is_file():
         raise input_error(path, "", "no such file", "a keypoint file")
@@ -103,7 +105,7 @@ def covariance_path(path: str | Path) -> Path:
     return Path(path).with_suffix(".cov.csv")
 
 
-def write(path: str | Path, keypoints: Keypoints) -> None:
+def write_keypoints_csv(path: str | Path, keypoints: Keypoints) -> None:
     """Write keypoints in DeepLabCut's csv layout and their covariances [px^2] beside it."""
     names, n = keypoints.names, len(keypoints.time_s)
     cells = np.concatenate([keypoints.xy_px, keypoints.likelihood[..., None]], axis=2)

@@ -14,12 +14,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from ..data import PARTS, Float, Frame, Keypoints, is_confident
+from ..data import BODY_PART_NAMES, Float, Frame, Keypoints, is_confident
 from ..errors import input_error
-from ..study import Setup, Trial
+from ..study import StudySettings, Trial
 from .dots.centroid import coverage_centroid
 from .dots.variances import dot_variances, occlusion_variances
-from .outline.plane import Plane, swimming_plane
+from .outline.plane import SwimmingPlaneMap, swimming_plane
 
 NEEDS_COLOUR = True
 """The detector takes colour frames (bgr), not grey ones."""
@@ -45,7 +45,9 @@ class Dot:
     radius_px: float
 
 
-def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) -> Keypoints:
+def detect_keypoints(
+    frames: Callable[[], Iterable[Frame]], setup: StudySettings, trial: Trial
+) -> Keypoints:
     """Keypoints of the marked parts, frame by frame; NaN and likelihood 0 where not seen.
 
     Likelihood: share of the other dots whose distance is what the rigid robot's is. Covariance:
@@ -53,13 +55,17 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
 
     Raises: InputError where no hues are given, or the footage holds no frame.
     """
-    hues = {part: hue for part, hue in setup.detection.marker_hues_deg.items() if part in PARTS}
+    hues = {
+        part: hue
+        for part, hue in setup.detection.marker_hues_deg.items()
+        if part in BODY_PART_NAMES
+    }
     if len(hues) < 3:
         found = f"{len(hues)} hues"
         expected = "a hue in degrees for head_tip and two of hinge, core_center, tail_base"
         raise input_error("study.yaml", "detection.marker_hues_deg", found, expected)
     plane, lengths = swimming_plane(setup), distance_ranges(setup, trial)
-    names = tuple(part for part in PARTS if part in hues)
+    names = tuple(part for part in BODY_PART_NAMES if part in hues)
     times, rows = [], []
     box: tuple[int, int, int, int] | None = None
     for frame in frames():
@@ -71,7 +77,9 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
     return _keypoints_of_rows(np.array(times), names, np.array(rows))
 
 
-def distance_ranges(setup: Setup, trial: Trial) -> dict[tuple[str, str], tuple[float, float]]:
+def distance_ranges(
+    setup: StudySettings, trial: Trial
+) -> dict[tuple[str, str], tuple[float, float]]:
     """Least and greatest distance [body lengths] of each pair of parts; head and core are rigid."""
     robot = setup.robot
     unit = robot.body_length_m
@@ -104,7 +112,7 @@ def _detect_parts_in_frame(
     wanted: tuple[
         Mapping[str, float], tuple[str, ...], Mapping[tuple[str, str], tuple[float, float]]
     ],
-    plane: Plane,
+    plane: SwimmingPlaneMap,
     box: tuple[int, int, int, int] | None,
 ) -> tuple[Float, tuple[int, int, int, int] | None]:
     """Row (parts, 5) of u, v, likelihood, area covered and radius; and where to look next."""
@@ -146,7 +154,7 @@ def _crop(
 
 
 def _dots_of_hue(
-    hsv: npt.NDArray[np.float32], hue_deg: float, corner: Float, plane: Plane
+    hsv: npt.NDArray[np.float32], hue_deg: float, corner: Float, plane: SwimmingPlaneMap
 ) -> list[Dot]:
     """Blobs of a hue, those of most colour first."""
     away = np.abs((hsv[..., 0] * 2.0 - hue_deg + 180.0) % 360.0 - 180.0)
@@ -163,7 +171,10 @@ def _dots_of_hue(
 
 
 def _dot_of_contour(
-    weight: npt.NDArray[np.float32], contour: npt.NDArray[np.int32], corner: Float, plane: Plane
+    weight: npt.NDArray[np.float32],
+    contour: npt.NDArray[np.int32],
+    corner: Float,
+    plane: SwimmingPlaneMap,
 ) -> Dot:
     x, y, w, h = cv2.boundingRect(contour)
     x, y = max(0, x - 2), max(0, y - 2)

@@ -12,34 +12,36 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import PARTS, Frame, Keypoints, is_confident
+from ..data import BODY_PART_NAMES, Frame, Keypoints, is_confident
 from ..errors import input_error
-from ..study import Setup, Trial
+from ..study import StudySettings, Trial
 from .midline import detection as midline
 from .outline.absence import absence_reason
 from .outline.background import median_image, noise_level, sample_frames, without_static_robot
 from .outline.camera_motion import camera_remarks
 from .outline.ghost_removal import background_without_robot
 from .outline.learning import LearnedTemplate, learn_template
-from .outline.plane import Plane, in_body_lengths, swimming_plane
+from .outline.plane import SwimmingPlaneMap, in_body_lengths, swimming_plane
 from .outline.second_body import second_body_remark
 from .outline.template import robot_length_bl
 from .outline.to_keypoints import keypoints_from_fits
-from .outline.tracking import Fit, Scene, track_robot
+from .outline.tracking import DetectionScene, OutlineFit, track_robot
 
-LENGTHS_STATED = True
+USES_STATED_LENGTHS = True
 """Keypoints lie at the robot's lengths of study.yaml: their distances measure nothing. What is
 measured is the whole length (`Keypoints.length_seen`)."""
 SAMPLE_COUNTS = (5, 15)
 GOOD_SUPPORT = 0.9
 MIN_SUPPORT_SCORE = 0.6
-MIN_SUPPORT = 0.4
+MIN_SCENE_SUPPORT_SHARE = 0.4
 BACKGROUND_ROUNDS = 2
 MIN_RIGID_FRAMES_SHARE = 0.9
 """A body counts as bending only if the rigid template fits a smaller share of the frames."""
 
 
-def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) -> Keypoints:
+def detect_keypoints(
+    frames: Callable[[], Iterable[Frame]], setup: StudySettings, trial: Trial
+) -> Keypoints:
     """Keypoints head_tip, hinge, core_center, tail_base, tail_tip of every frame, in pixels.
 
     Likelihood is the share of the outline found where the template has it, graded; covariances
@@ -71,9 +73,9 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
 def _detect_rigid_body(
     frames: Callable[[], Iterable[Frame]],
     samples: Sequence[Frame],
-    plane: Plane,
+    plane: SwimmingPlaneMap,
     *,
-    setup: Setup,
+    setup: StudySettings,
     trial: Trial,
 ) -> Keypoints:
     """Keypoints of a rigid head and core with a tail."""
@@ -91,7 +93,9 @@ def _detect_rigid_body(
     return keypoints_from_fits(times, fits, scene, outline.template, remarks)
 
 
-def _no_robot_remark(samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial) -> str:
+def _no_robot_remark(
+    samples: Sequence[Frame], plane: SwimmingPlaneMap, setup: StudySettings, trial: Trial
+) -> str:
     """The remark where nothing was found."""
     images = [frame.luma for frame in samples]
     return (
@@ -105,14 +109,17 @@ def _confident_frames_share(found: Keypoints) -> float:
 
 
 def _detect_bending_body(
-    frames: Callable[[], Iterable[Frame]], plane: Plane, setup: Setup, trial: Trial
+    frames: Callable[[], Iterable[Frame]],
+    plane: SwimmingPlaneMap,
+    setup: StudySettings,
+    trial: Trial,
 ) -> Keypoints | None:
     """Keypoints of a bending body; None without one, or where it is not seen to bend."""
     samples = sample_frames(frames(), midline.SAMPLE_FRAMES)
     body = midline.learn_body(samples, plane, setup.robot, trial)
     if body is None or not (body.bends or setup.detection.body == "bending"):
         return None
-    found = midline.detect(frames(), body, setup.robot, trial)
+    found = midline.detect_keypoints(frames(), body, setup.robot, trial)
     return replace(found, remarks=(*camera_remarks(samples, plane), *found.remarks))
 
 
@@ -136,15 +143,15 @@ def _repeatable(frames: Callable[[], Iterable[Frame]]) -> Callable[[], Iterable[
 def learned_scene(
     frames: Callable[[], Iterable[Frame]],
     samples: Sequence[Frame],
-    plane: Plane,
-    setup: Setup,
+    plane: SwimmingPlaneMap,
+    setup: StudySettings,
     trial: Trial,
-) -> tuple[Scene, LearnedTemplate | None, tuple[str, ...]]:
+) -> tuple[DetectionScene, LearnedTemplate | None, tuple[str, ...]]:
     """Scene and learned template: from the first few samples, from more where these do not do.
 
     At last from a background bridged at the robot's resting place.
     """
-    found: list[tuple[Scene, LearnedTemplate | None]] = []
+    found: list[tuple[DetectionScene, LearnedTemplate | None]] = []
     notes: tuple[str, ...] = ()
     for count in SAMPLE_COUNTS:
         samples = samples if count == SAMPLE_COUNTS[0] else sample_frames(frames(), count)
@@ -170,17 +177,17 @@ def learned_scene(
 
 
 def _scene_and_template(
-    samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial
-) -> tuple[Scene, LearnedTemplate | None]:
+    samples: Sequence[Frame], plane: SwimmingPlaneMap, setup: StudySettings, trial: Trial
+) -> tuple[DetectionScene, LearnedTemplate | None]:
     """Scene of a few frames' median and the template learned from them."""
     images = [frame.luma for frame in samples]
     floor = median_image(images)
-    scene = Scene(floor, plane, noise_level(images, floor), trial.head_angle_rad)
+    scene = DetectionScene(floor, plane, noise_level(images, floor), trial.head_angle_rad)
     outline = learn_template(samples, scene, setup.robot, trial)
     for _ in range(BACKGROUND_ROUNDS):
         free = (
             background_without_robot(outline, scene)
-            if outline and outline.support > MIN_SUPPORT
+            if outline and outline.support > MIN_SCENE_SUPPORT_SHARE
             else None
         )
         if free is None:
@@ -194,7 +201,9 @@ def _support_score(outline: LearnedTemplate | None) -> float:
     return 0.0 if outline is None else outline.support_score
 
 
-def _missing_frames_remark(times: Sequence[float], fits: Sequence[Fit | None]) -> tuple[str, ...]:
+def _missing_frames_remark(
+    times: Sequence[float], fits: Sequence[OutlineFit | None]
+) -> tuple[str, ...]:
     """A remark on the frames without a robot."""
     gone = [time for time, one in zip(times, fits, strict=True) if one is None]
     if not gone:
@@ -204,10 +213,10 @@ def _missing_frames_remark(times: Sequence[float], fits: Sequence[Fit | None]) -
 
 
 def _empty_keypoints(times: Sequence[float], remarks: tuple[str, ...]) -> Keypoints:
-    n, p = len(times), len(PARTS)
+    n, p = len(times), len(BODY_PART_NAMES)
     return Keypoints(
         np.array(times),
-        PARTS,
+        BODY_PART_NAMES,
         np.full((n, p, 2), np.nan),
         np.zeros((n, p)),
         np.full((n, p, 2, 2), np.nan),

@@ -13,7 +13,7 @@ import numpy as np
 from ..data import Keypoints
 from ..errors import InputError, input_error
 from ..study import Trial
-from .files.safe_h5 import member, open_h5, strings
+from .files.safe_h5 import local_h5_member, open_h5, read_h5_strings
 from .files.table import Table, build_table, to_keypoints
 
 EXPORT_REMEDY = (
@@ -31,7 +31,9 @@ def is_sleap(path: Path) -> bool:
         return False
 
 
-def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -> Keypoints:
+def read_keypoints_of_trial(
+    path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None
+) -> Keypoints:
     """Keypoints of a trial from a SLEAP analysis h5, times = frame / trial.fps.
 
     Raises: InputError where the file is no such h5, is damaged, or lacks parts.
@@ -44,15 +46,15 @@ def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -
 def read_table(path: Path) -> Table:
     """Table of a SLEAP analysis h5, each track an individual."""
     with open_h5(path) as file:
-        tracks, nodes = member(file, "tracks"), member(file, "node_names")
+        tracks, nodes = local_h5_member(file, "tracks"), local_h5_member(file, "node_names")
         if tracks is None or nodes is None:
             raise input_error(path, "", "no tracks and node_names", "a SLEAP analysis h5")
-        names = strings(nodes)
+        names = read_h5_strings(nodes)
         if tracks.ndim != 4 or tracks.shape[1] != 2 or tracks.shape[2] != len(names):
             found = f"tracks of shape {tracks.shape} for {len(names)} nodes"
             raise input_error(path, "tracks", found, "(tracks, 2, nodes, frames)")
         values = np.asarray(tracks[()], dtype=float)
-        scores = _stored_scores(member(file, "point_scores"), values)
+        scores = _stored_scores(local_h5_member(file, "point_scores"), values)
         who = _track_names(file, values.shape[0])
     if values.shape[3] == 0:
         raise input_error(path, "tracks", "no frames", "a frame at least")
@@ -104,8 +106,8 @@ def _stored_scores(scores: object, values: np.ndarray) -> np.ndarray:
 
 
 def _track_names(file: object, count: int) -> list[str]:
-    names = member(file, "track_names")
-    found = strings(names) if names is not None else []
+    names = local_h5_member(file, "track_names")
+    found = read_h5_strings(names) if names is not None else []
     return found if len(set(found)) == count else [f"track_{i}" for i in range(count)]
 
 

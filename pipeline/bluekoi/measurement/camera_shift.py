@@ -16,13 +16,13 @@ from __future__ import annotations
 from ..integrate.branchless import smooth_step
 from ..integrate.system import Parameter
 
-KIND = "measurement"
-CHANNELS = ("sway", "yaw")
-STATEMENT = "The camera was moved: from some time on, all positions are displaced."
-REGIME = "from one trial or time on"
+EFFECT_KIND = "measurement"
+AFFECTED_CHANNELS = ("sway", "yaw")
+EFFECT_DESCRIPTION = "The camera was moved: from some time on, all positions are displaced."
+MOST_VISIBLE_WHERE = "from one trial or time on"
 CONFUSED_WITH = ("keypoint_bias", "uniform_current")
-STRENGTH_COUNT = 2
-PARAMETERS = (
+STRENGTH_PARAMETER_COUNT = 2
+EFFECT_PARAMETERS = (
     Parameter(
         "dx", "m", 0.005, -0.3, 0.3, "displacement in x in the trial that determines it best"
     ),

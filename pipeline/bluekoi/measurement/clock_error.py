@@ -15,40 +15,44 @@ from __future__ import annotations
 
 from ..integrate.system import Parameter
 
-KIND = "measurement"
-CHANNELS = ("surge", "sway", "yaw")
-STATEMENT = "The frame rate is wrong: all motion appears too slow or too fast by the same factor."
-REGIME = "all motion, in proportion to speed; tail beats in the video compared with the motor log"
+EFFECT_KIND = "measurement"
+AFFECTED_CHANNELS = ("surge", "sway", "yaw")
+EFFECT_DESCRIPTION = (
+    "The frame rate is wrong: all motion appears too slow or too fast by the same factor."
+)
+MOST_VISIBLE_WHERE = (
+    "all motion, in proportion to speed; tail beats in the video compared with the motor log"
+)
 CONFUSED_WITH = ("scale_error",)
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("rate_error", "1", 0.01, -0.6, 1.5, "share by which true time runs faster",
               symbol="k"),
     Parameter("drift", "1", 0.0, -1.0, 1.0, "change of the error in 3 s, as a share of it",
               spread=0.5, symbol="d"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "constant": {},
     "growing": {"drift": 1.0},
 }
 
 
-def tail_beat_drift(k: float, d: float) -> float:
+def predicted_tail_beat_drift(k: float, d: float) -> float:
     """Relative change of the tail beat's frequency in the video per second (1/s)."""
     return k * d / 3.0
 
 
-def clock_ratio(t: float, k: float, d: float) -> float:
+def relative_clock_error(t: float, k: float, d: float) -> float:
     """Relative difference of the tail beat in the video from the motor's, at the time t."""
     return k * (1.0 + d * (t - 3.0) / 3.0)
 
 
-EVIDENCE = {
-    "clock_ratio": clock_ratio,
-    "stated_ratio": clock_ratio,
-    "tail_beat_drift": tail_beat_drift,
+SIDE_MEASUREMENT_PREDICTIONS = {
+    "clock_ratio": relative_clock_error,
+    "stated_ratio": relative_clock_error,
+    "tail_beat_drift": predicted_tail_beat_drift,
 }
 
 
-def clock(t: float, clock_part: float, k: float, d: float) -> tuple[float]:
+def true_time_rate(t: float, clock_part: float, k: float, d: float) -> tuple[float]:
     """Change of the rate of true time."""
     return (clock_part * k * (1.0 + d * (t - 3.0) / 3.0),)

@@ -18,13 +18,13 @@ from __future__ import annotations
 
 from ..integrate.system import Parameter
 
-KIND = "measurement"
-CHANNELS = ("sway", "yaw")
-STATEMENT = "A keypoint is always marked away from its true position on the robot."
-REGIME = "all frames, fixed to the robot"
+EFFECT_KIND = "measurement"
+AFFECTED_CHANNELS = ("sway", "yaw")
+EFFECT_DESCRIPTION = "A keypoint is always marked away from its true position on the robot."
+MOST_VISIBLE_WHERE = "all frames, fixed to the robot"
 CONFUSED_WITH = ("centre_of_mass_shift", "trim_moment", "head_angle_offset", "camera_shift")
-STRENGTH_COUNT = 4
-PARAMETERS = (
+STRENGTH_PARAMETER_COUNT = 4
+EFFECT_PARAMETERS = (
     Parameter("left_offset", "m", 0.003, -0.1, 0.1, "displacement to the left of the core",
               symbol="by"),
     Parameter("forward_offset", "m", 0.003, -0.02, 0.02, "displacement along the core",
@@ -36,7 +36,7 @@ PARAMETERS = (
     Parameter("head_angle_share", "1", 0.0, 0.0, 1.0, "part in proportion to the turned head",
               spread=0.5, symbol="w"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "constant": {},
     "with the head angle": {"head_angle_share": 1.0},
 }

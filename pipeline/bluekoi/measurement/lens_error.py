@@ -23,16 +23,16 @@ from __future__ import annotations
 
 from ..integrate.system import Parameter
 
-KIND = "measurement"
-CHANNELS = ("surge", "sway")
-STATEMENT = (
+EFFECT_KIND = "measurement"
+AFFECTED_CHANNELS = ("surge", "sway")
+EFFECT_DESCRIPTION = (
     "The lens correction is wrong: towards the edges of the picture, positions are displaced "
     "outwards or inwards."
 )
-STRENGTH_COUNT = 3
-REGIME = "towards the edges of the pool"
+STRENGTH_PARAMETER_COUNT = 3
+MOST_VISIBLE_WHERE = "towards the edges of the pool"
 CONFUSED_WITH = ("uncorrected_refraction", "scale_error")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("radial_distortion", "1/m2", 0.005, -0.3, 0.3, "radial distortion on the water",
               symbol="k"),
     Parameter("tangential_x", "1/m", 0.005, -0.3, 0.3, "tangential distortion along the pool",

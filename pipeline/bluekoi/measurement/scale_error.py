@@ -18,18 +18,20 @@ from __future__ import annotations
 
 from ..integrate.system import Parameter
 
-KIND = "measurement"
-CHANNELS = ("surge", "sway")
-STATEMENT = "The scale is wrong: all lengths appear too long or too short by the same factor."
-REGIME = "all positions, in proportion"
+EFFECT_KIND = "measurement"
+AFFECTED_CHANNELS = ("surge", "sway")
+EFFECT_DESCRIPTION = (
+    "The scale is wrong: all lengths appear too long or too short by the same factor."
+)
+MOST_VISIBLE_WHERE = "all positions, in proportion"
 CONFUSED_WITH = ("uncorrected_refraction", "clock_error")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("length_error", "1", 0.01, -0.3, 0.3, "share by which lengths are observed too long",
               symbol="k"),
     Parameter("axis_difference", "1", 0.0, -1.0, 1.0, "how much more along x than along y",
               spread=0.5, tries=(1.0, -1.0), symbol="a"),
 )  # fmt: skip
-FORMS = {
+FUNCTIONAL_FORMS = {
     "uniform": {},
     "along the pool": {"axis_difference": 1.0},
     "across the pool": {"axis_difference": -1.0},

@@ -16,22 +16,22 @@ from __future__ import annotations
 from ..integrate.branchless import smooth_step
 from ..integrate.system import Parameter
 
-KIND = "measurement"
-CHANNELS = ("surge",)
-STATEMENT = "Video, commands and motor log do not start at the same time."
-REGIME = (
+EFFECT_KIND = "measurement"
+AFFECTED_CHANNELS = ("surge",)
+EFFECT_DESCRIPTION = "Video, commands and motor log do not start at the same time."
+MOST_VISIBLE_WHERE = (
     "the start of every trial; the phase of the tail beat in the video compared with the motor log"
 )
-EVIDENCE = {"delay": {"log_lead": 1.0}}
-STRENGTH_COUNT = 2
+SIDE_MEASUREMENT_PREDICTIONS = {"delay": {"log_lead": 1.0}}
+STRENGTH_PARAMETER_COUNT = 2
 CONFUSED_WITH = ("motor_spin_up", "servo_lag")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("start_delay", "s", 0.3, 0.0, 2.0,
               "time from the start of the video to that of the motion", symbol="d"),
     Parameter("log_lead", "s", 0.0, -2.0, 2.0,
               "by how much the motor log's clock is ahead of the video's", symbol="e"),
 )  # fmt: skip
-STARTS = (0.15, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3)
+STRENGTH_START_VALUES = (0.15, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3)
 
 
 def thrust(

@@ -16,15 +16,15 @@ from __future__ import annotations
 
 from ..integrate.system import Parameter
 
-KIND = "measurement"
-CHANNELS = ("surge", "sway")
-STATEMENT = (
+EFFECT_KIND = "measurement"
+AFFECTED_CHANNELS = ("surge", "sway")
+EFFECT_DESCRIPTION = (
     "Refraction at the water surface was not corrected, or corrected for a wrong depth: lengths "
     "appear too short, more so towards the edges of the pool."
 )
-REGIME = "all positions, more so towards the edges of the pool"
+MOST_VISIBLE_WHERE = "all positions, more so towards the edges of the pool"
 CONFUSED_WITH = ("scale_error", "lens_error")
-PARAMETERS = (
+EFFECT_PARAMETERS = (
     Parameter("inward_shift", "1", 0.005, -0.05, 0.05,
               "share by which positions appear too close to the camera axis", symbol="k"),
     Parameter("bending_ratio", "1", 1.0, 0.0, 3.0,

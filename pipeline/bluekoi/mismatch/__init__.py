@@ -2,14 +2,14 @@
 
 from .find import MismatchResult, find_mismatch
 from .free_run_errors import PathErrors, path_errors
-from .missing_force_dependence import Dependence, condition_folds, dependences
+from .missing_force_dependence import ForceDependence, force_dependences, trial_indices_by_fold
 
 __all__ = [
-    "Dependence",
+    "ForceDependence",
     "MismatchResult",
     "PathErrors",
-    "condition_folds",
-    "dependences",
     "find_mismatch",
+    "force_dependences",
     "path_errors",
+    "trial_indices_by_fold",
 ]

@@ -18,23 +18,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import Filtered, Noise, Series, filter_all
-from ..fitting.filtering import MAX_FILTER_STEP_S, with_noise
+from ..fitting import FilteredTrial, Noise, TrialSeries, filter_all
+from ..fitting.filtering import MAX_FILTER_STEP_S, values_with_noise_switched_on
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import propagate
+from ..integrate.batch import simulate_batch
 
 CAMERA_SHIFT_EFFECT, SHIFT_TIME_NAME, SHIFT_SIZE_NAMES = (
     "camera_shift",
     "t_shift",
     ("x_shift", "y_shift"),
 )
-STRENGTH_PARAMETERS = ("dx", "dy")
+DISPLACEMENT_PARAMETERS = ("dx", "dy")
 DERIVATIVE_STEP_M = 1e-3
 CHI2_MEDIAN = 1.386
 """Median of chi-squared with two degrees of freedom."""
-PRIOR_PROBABILITY = 0.03
+DISPLACEMENT_PRIOR_PROBABILITY = 0.03
 """Probability that the camera was displaced in a study, as of any other cause."""
-TAIL_FACTOR = 1.5
+NULL_DISTRIBUTION_TAIL_FACTOR = 1.5
 """Largest lambda of 290 recordings without a displacement, 31, over that of chi-squared in as many
 moments, 2 log(29,000): prediction errors have longer tails than a normal distribution.
 """
@@ -59,13 +59,13 @@ class CameraDisplacement:
 
 
 def detect_displacements(
-    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise
+    kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], noise: Noise
 ) -> list[CameraDisplacement]:
     """The most certain displacement of each trial in which one is more probable than not, around a
     fitted model; trials of fewer than eight frames have none.
 
     With M moments and n trials, a displacement at one of them has odds of
-    PRIOR (n M)^-TAIL_FACTOR exp(lambda / 2).
+    DISPLACEMENT_PRIOR_PROBABILITY (n M)^-NULL_DISTRIBUTION_TAIL_FACTOR exp(lambda / 2).
 
     values: full parameter vectors, one a trial.
     """
@@ -82,7 +82,10 @@ def detect_displacements(
     out = []
     for (one, _, _), (ratio, size) in zip(long, glr, strict=True):
         k = int(np.argmax(ratio))
-        threshold = 2.0 * (TAIL_FACTOR * np.log(len(long) * len(ratio)) - np.log(PRIOR_PROBABILITY))
+        threshold = 2.0 * (
+            NULL_DISTRIBUTION_TAIL_FACTOR * np.log(len(long) * len(ratio))
+            - np.log(DISPLACEMENT_PRIOR_PROBABILITY)
+        )
         if ratio[k] / median > threshold:
             out.append(CameraDisplacement(one.name, float(_tested_times_s(one)[k]), size[k],
                                           float(ratio[k] / median), len(ratio)))  # fmt: skip
@@ -90,8 +93,8 @@ def detect_displacements(
 
 
 def with_displacements(
-    kernel: CompiledSystem, series: Sequence[Series], found: Sequence[CameraDisplacement]
-) -> list[Series]:
+    kernel: CompiledSystem, series: Sequence[TrialSeries], found: Sequence[CameraDisplacement]
+) -> list[TrialSeries]:
     """The trials with the time of their displacement, and its size relative to the most certain."""
     names, known = kernel.system.constants, {d.trial: d for d in found}
     slots = [names.index(name) for name in (SHIFT_TIME_NAME, *SHIFT_SIZE_NAMES)]
@@ -106,7 +109,7 @@ def with_displacements(
     return out
 
 
-def _tested_times_s(one: Series) -> Float:
+def _tested_times_s(one: TrialSeries) -> Float:
     """Middles between frames, not too near the ends, after the launch."""
     middles = 0.5 * (one.times[3:-3] + one.times[4:-2])
     later = middles[middles > one.times[0] + IGNORED_AFTER_START_S]
@@ -114,7 +117,7 @@ def _tested_times_s(one: Series) -> Float:
 
 
 def _level_shift_glr(
-    kernel: CompiledSystem, one: Series, values: Float, filtered: Filtered, noise: Noise
+    kernel: CompiledSystem, one: TrialSeries, values: Float, filtered: FilteredTrial, noise: Noise
 ) -> tuple[Float, Float]:
     """The lambda (moments,) and best displacement (moments, 2) of a trial."""
     moments = _tested_times_s(one)
@@ -133,9 +136,9 @@ def _level_shift_glr(
 
 def _predictions_with_displacements(
     kernel: CompiledSystem,
-    one: Series,
+    one: TrialSeries,
     values: Float,
-    filtered: Filtered,
+    filtered: FilteredTrial,
     *,
     noise: Noise,
     moments: Float,
@@ -144,13 +147,13 @@ def _predictions_with_displacements(
     each = (LANES - 1) // 2
     groups = [moments[i : i + each] for i in range(0, len(moments), each)]
     system, count, n = kernel.system, len(groups), len(one.times)
-    full = np.repeat(with_noise(kernel, values, noise)[:, None], LANES, axis=1)
+    full = np.repeat(values_with_noise_switched_on(kernel, values, noise)[:, None], LANES, axis=1)
     parameters = np.repeat(full[None], count, axis=0)
     constants = np.repeat(np.repeat(one.constants[:, None], LANES, axis=1)[None], count, axis=0)
     state = np.repeat(np.repeat(one.mean[:, None], LANES, axis=1)[None], count, axis=0)
     for b, group in enumerate(groups):
         for i, moment in enumerate(group):
-            for k, direction in enumerate(STRENGTH_PARAMETERS):
+            for k, direction in enumerate(DISPLACEMENT_PARAMETERS):
                 lane = 1 + 2 * i + k
                 parameters[b, system.slot[f"{CAMERA_SHIFT_EFFECT}.{direction}"], lane] += (
                     DERIVATIVE_STEP_M
@@ -158,8 +161,8 @@ def _predictions_with_displacements(
                 constants[b, system.constants.index(SHIFT_TIME_NAME), lane] = moment
     tiled = [np.repeat(a[None], count, axis=0) for a in (one.times, one.inputs,
              np.nan_to_num(one.seen), filtered.gains)]  # fmt: skip
-    seen, _ = propagate(kernel, state, parameters, constants, times=tiled[0], inputs=tiled[1],
-                        frames=np.full(count, n), seen=tiled[2], gains=tiled[3],
-                        step_s=MAX_FILTER_STEP_S)  # fmt: skip
+    seen, _ = simulate_batch(kernel, state, parameters, constants, times=tiled[0], inputs=tiled[1],
+                             frames=np.full(count, n), seen=tiled[2], gains=tiled[3],
+                             step_s=MAX_FILTER_STEP_S)  # fmt: skip
     lanes = [seen[b, :, :, 1 : 1 + 2 * len(group)] for b, group in enumerate(groups)]
     return np.concatenate([seen[0, :, :, :1], *lanes], axis=2)

@@ -17,9 +17,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import Noise, Series, filter_all
+from ..fitting import Noise, TrialSeries, filter_all
 from ..integrate import CompiledSystem
-from .camera_displacement import DERIVATIVE_STEP_M, PRIOR_PROBABILITY, TAIL_FACTOR
+from .camera_displacement import (
+    DERIVATIVE_STEP_M,
+    DISPLACEMENT_PRIOR_PROBABILITY,
+    NULL_DISTRIBUTION_TAIL_FACTOR,
+)
 
 FALSE_ALARM_PROBABILITY = 1e-4
 """Significance of Fisher's test. Physics is missing in more than one way, so that the rate is
@@ -29,7 +33,7 @@ MIN_TRIALS = 3
 
 
 @dataclass(frozen=True)
-class Drift:
+class CameraDrift:
     """Displacement at the end of a trial (2,) m, with its standard deviation, and lambda."""
 
     trial: str
@@ -49,9 +53,9 @@ class Drift:
         )
 
 
-def drifting_trial(
-    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise
-) -> Drift | None:
+def trial_with_camera_drift(
+    kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], noise: Noise
+) -> CameraDrift | None:
     """The trial that drifts where the others do not; None for fewer than three trials.
 
     values: full parameter vectors, one a trial.
@@ -60,15 +64,17 @@ def drifting_trial(
         return None
     found = drift_by_trial(kernel, series, values, noise)
     ratios = np.array([d.likelihood_ratio for d in found])
-    least = 2.0 * (TAIL_FACTOR * np.log(len(found)) - np.log(PRIOR_PROBABILITY))
+    least = 2.0 * (
+        NULL_DISTRIBUTION_TAIL_FACTOR * np.log(len(found)) - np.log(DISPLACEMENT_PRIOR_PROBABILITY)
+    )
     if ratios.max() > least and fisher_p_value(ratios) < FALSE_ALARM_PROBABILITY:
         return found[int(np.argmax(ratios))]
     return None
 
 
 def drift_by_trial(
-    kernel: CompiledSystem, series: Sequence[Series], values: Sequence[Float], noise: Noise
-) -> list[Drift]:
+    kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], noise: Noise
+) -> list[CameraDrift]:
     """The likeliest drift of each trial."""
 
     def errors(step: tuple[float, float]) -> list[Float]:
@@ -95,7 +101,7 @@ def fisher_p_value(ratios: Float) -> float:
     return min(1.0, n * (1.0 - share) ** (n - 1))
 
 
-def add_drift(one: Series, size_m: Float) -> Series:
+def add_drift(one: TrialSeries, size_m: Float) -> TrialSeries:
     """A trial whose picture drifts evenly to a displacement (2,) m at its end."""
     since = one.times - one.times[0]
     seen = one.seen.copy()
@@ -103,7 +109,7 @@ def add_drift(one: Series, size_m: Float) -> Series:
     return replace(one, seen=seen)
 
 
-def _likeliest_drift(trial: str, e: Float, J: Float) -> Drift:
+def _likeliest_drift(trial: str, e: Float, J: Float) -> CameraDrift:
     cov = np.linalg.inv(J.T @ J + 1e-9 * np.eye(2))
     size = cov @ (J.T @ e)
-    return Drift(trial, size, np.sqrt(np.diag(cov)), float(size @ (J.T @ e)))
+    return CameraDrift(trial, size, np.sqrt(np.diag(cov)), float(size @ (J.T @ e)))

@@ -7,29 +7,38 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..engine import FittedSet, Problem, ScoredSet, off_bounds_mask, without_discrepancy
-from ..fitting import Z_95, Series, cluster_robust_covariance
+from ..engine import (
+    CauseSearchProblem,
+    FittedCauseSet,
+    ScoredCauseSet,
+    off_bounds_mask,
+    refit_without_discrepancy,
+)
+from ..fitting import Z_95, TrialSeries, cluster_robust_covariance
 from ..tuning import JointFit
 
-Models = tuple[FittedSet, JointFit]
+CauseSetAndJointFit = tuple[FittedCauseSet, JointFit]
 """A set fitted by its formulas alone, and that with covariances."""
-Estimates = dict[str, tuple[float, float]]
+EstimateByLabel = dict[str, tuple[float, float]]
 """Label of a parameter -> value, standard deviation."""
 
 
 def fit_extended(
-    problem: Problem, train: Sequence[Series], baseline: JointFit, best: ScoredSet
-) -> tuple[Models, FittedSet]:
+    problem: CauseSearchProblem,
+    train: Sequence[TrialSeries],
+    baseline: JointFit,
+    best: ScoredCauseSet,
+) -> tuple[CauseSetAndJointFit, FittedCauseSet]:
     """Models of a set of causes and the fit of the first; train: the trials that are fitted, at the
     rate of the fit. Without causes the model with covariances is the baseline.
     """
-    model = without_discrepancy(replace(problem, series=tuple(train)), best.model)
-    model = model if model.usable else without_discrepancy(problem, best.model)
+    model = refit_without_discrepancy(replace(problem, series=tuple(train)), best.model)
+    model = model if model.usable else refit_without_discrepancy(problem, best.model)
     extended = with_between_trial_covariance(baseline, model) if best.causes else baseline
     return (model, extended), model
 
 
-def estimates(model: JointFit) -> Estimates:
+def estimates_by_label(model: JointFit) -> EstimateByLabel:
     """Value of each parameter and the standard deviation of a normal distribution with its 95 %
     interval, by label.
     """
@@ -38,7 +47,7 @@ def estimates(model: JointFit) -> Estimates:
             for f, value, s in zip(model.fit.free, model.fit.values, std, strict=True)}  # fmt: skip
 
 
-def with_between_trial_covariance(baseline: JointFit, model: FittedSet) -> JointFit:
+def with_between_trial_covariance(baseline: JointFit, model: FittedCauseSet) -> JointFit:
     """A fitted set with covariances from the variation between trials."""
     spread = cluster_robust_covariance(model.fit.normal, off_bounds_mask(model))
     return JointFit(model.fit, model.noise, spread.cov, baseline.base, spread.df, None)

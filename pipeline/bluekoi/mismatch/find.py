@@ -8,38 +8,38 @@ from functools import partial
 
 import numpy as np
 
-from ..data import Steady
+from ..data import SteadyState
 from ..engine import (
-    FittedSet,
+    FittedCauseSet,
     NamedCause,
     Posterior,
-    ScoredSet,
+    ScoredCauseSet,
     choose_causes,
     insignificance_sentence,
-    posterior,
+    posterior_over_sets,
     search_sets,
 )
-from ..engine.naming import MIN_NAMED_PROBABILITY, UNEXPLAINED, log_evidence_gain
+from ..engine.naming import MIN_NAMED_PROBABILITY, UNLISTED_FORCE_LABEL, log_evidence_gain
 from ..fitting import (
     MAX_OVERDISPERSION,
-    Free,
+    FreeParameter,
     MissingForce,
-    Series,
+    TrialSeries,
     added_force,
-    fit_paths,
+    fit_trajectories,
     missing_force,
 )
-from ..integrate import CompiledSystem, compiled
+from ..integrate import CompiledSystem, compile_system
 from ..integrate.batch import threaded_map
-from ..model import is_residual, plates
+from ..model import is_residual, two_plate_system
 from ..study import Study
 from ..study.data_split import has_trial_roles, held_out_trials
 from ..tuning import JointFit, downsampled, fit_all_trials, steady_errors
 from .camera_displacement import CameraDisplacement, detect_displacements, with_displacements
-from .drift import Drift, drifting_trial
+from .drift import CameraDrift, trial_with_camera_drift
 from .extended_model import fit_extended
 from .free_run_errors import path_errors
-from .missing_force_dependence import Dependence, covariates, dependences
+from .missing_force_dependence import ForceDependence, covariates, force_dependences
 from .robot_problem import robot_problem, undetermined_cause_warnings
 
 MIN_FORCE_UNIT_SHARE_OF_BASELINE = 0.1
@@ -70,13 +70,13 @@ class MismatchResult:
     posterior: Posterior
     named: Sequence[NamedCause]
     unexplained: float
-    model: FittedSet
+    model: FittedCauseSet
     gains: Mapping[str, float]
     baseline: JointFit
     extended: JointFit
     fitted_to: str
     forces: Sequence[MissingForce]
-    dependences: Sequence[Dependence]
+    dependences: Sequence[ForceDependence]
     held_out: Sequence[str]
     errors: Mapping[str, Mapping[str, float]]
     floor_m: float
@@ -87,13 +87,13 @@ class MismatchResult:
 
 def find_mismatch(
     study: Study,
-    series: Sequence[Series],
-    steady: Mapping[str, Steady],
+    series: Sequence[TrialSeries],
+    steady: Mapping[str, SteadyState],
     *,
     progress: Callable[[str], None],
 ) -> MismatchResult:
     """`MismatchResult` for the measured trials of a study."""
-    kernel = compiled(plates())
+    kernel = compile_system(two_plate_system())
     held_out = held_out_trials(study, [s.name for s in series])
     progress("baseline")
     averaged, coarse = downsampled(series), downsampled(series, SEARCH_RATE_HZ)
@@ -114,7 +114,7 @@ def find_mismatch(
     visited = search_sets(problem, baseline.fit.by_label())
     problem = visited.problem
     fitted = list(visited.sets.values())
-    found = posterior(problem, fitted)
+    found = posterior_over_sets(problem, fitted)
     chosen = choose_causes(found, problem.by_name, partial(fit_extended, problem, train, baseline))
     named, best, (final, extended) = chosen.named, chosen.best, chosen.model
     progress("missing force")
@@ -154,31 +154,31 @@ def find_mismatch(
 
 
 def _camera_displacements_and_drift(
-    kernel: CompiledSystem, series: Sequence[Series], model: JointFit
-) -> tuple[list[CameraDisplacement], Drift | None]:
+    kernel: CompiledSystem, series: Sequence[TrialSeries], model: JointFit
+) -> tuple[list[CameraDisplacement], CameraDrift | None]:
     """Displacements of the camera during a trial, and the trial whose positions drift, if any."""
     fitted = kernel, series, model.trial_values(kernel, series), model.noise
-    return detect_displacements(*fitted), drifting_trial(*fitted)
+    return detect_displacements(*fitted), trial_with_camera_drift(*fitted)
 
 
 def trajectory_fit(
-    kernel: CompiledSystem, train: Sequence[Series], baseline: JointFit
+    kernel: CompiledSystem, train: Sequence[TrialSeries], baseline: JointFit
 ) -> JointFit | None:
     """The baseline fitted to whole trajectories, the criterion of the comparison; None where that
     fit diverges.
     """
-    free: Sequence[Free] = baseline.fit.free
-    found = fit_paths(kernel, train, baseline.base, free, start=baseline.fit.by_label()).fit
+    free: Sequence[FreeParameter] = baseline.fit.free
+    found = fit_trajectories(kernel, train, baseline.base, free, start=baseline.fit.by_label()).fit
     return replace(baseline, fit=found) if np.isfinite(found.values).all() else None
 
 
 def _missing_force_and_dependences(
     study: Study,
     kernel: CompiledSystem,
-    series: Sequence[Series],
+    series: Sequence[TrialSeries],
     baseline: JointFit,
     extended: JointFit,
-) -> tuple[list[MissingForce], list[Dependence]]:
+) -> tuple[list[MissingForce], list[ForceDependence]]:
     """What the model lacks without its additions, and what that depends on.
 
     The coefficients are those found with the additions, since the baseline's own have absorbed
@@ -201,7 +201,7 @@ def _missing_force_and_dependences(
     )[:count]
     pushes = added_force(kernel, series, full, values, extended.noise)
     shown = pushes if max(np.abs(p).max() for p in pushes) > 0 else [f.force for f in forces]
-    return forces, dependences(series, shown, covariates(series, forces, trials), units)
+    return forces, force_dependences(series, shown, covariates(series, forces, trials), units)
 
 
 def _is_strength(kernel: CompiledSystem, label: str) -> bool:
@@ -213,7 +213,7 @@ def _is_strength(kernel: CompiledSystem, label: str) -> bool:
 def verdict_of(kernel: CompiledSystem, named: Sequence[NamedCause], unexplained: float) -> str:
     """none, physics, measurement or unexplained: the kind of the cause that explains most."""
     if unexplained > MIN_NAMED_PROBABILITY:
-        return UNEXPLAINED
+        return UNLISTED_FORCE_LABEL
     return kernel.system.effect(named[0].name).kind if named else "none"
 
 
@@ -221,7 +221,9 @@ MAX_RANDOM_FORCE_SHARE = 0.5
 """Share of the thrust above which random forces are called comparable to it."""
 
 
-def model_warnings(kernel: CompiledSystem, train: Sequence[Series], best: ScoredSet) -> list[str]:
+def model_warnings(
+    kernel: CompiledSystem, train: Sequence[TrialSeries], best: ScoredCauseSet
+) -> list[str]:
     """Sentences on signs that the model does not describe its trials."""
     out = []
     if (c := best.overdispersion) > MAX_OVERDISPERSION:
@@ -245,7 +247,7 @@ def model_warnings(kernel: CompiledSystem, train: Sequence[Series], best: Scored
 
 
 def _typical_forces(
-    kernel: CompiledSystem, train: Sequence[Series], best: ScoredSet
+    kernel: CompiledSystem, train: Sequence[TrialSeries], best: ScoredCauseSet
 ) -> tuple[float, float, float]:
     """Typical thrust (N), used for surge and sway, and thrust times the head's arm (N m)."""
     names = kernel.system.constants

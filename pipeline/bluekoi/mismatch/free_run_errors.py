@@ -17,7 +17,7 @@ import numpy as np
 from ..data import Float
 from ..fitting import (
     Noise,
-    Series,
+    TrialSeries,
     disturbance_slots,
     filter_all,
     filter_series,
@@ -56,7 +56,10 @@ class PathErrors:
 
 
 def path_errors(
-    study: Study, kernel: CompiledSystem, models: Mapping[str, JointFit], series: Sequence[Series]
+    study: Study,
+    kernel: CompiledSystem,
+    models: Mapping[str, JointFit],
+    series: Sequence[TrialSeries],
 ) -> PathErrors:
     """`PathErrors` of models on trials, over the predictability horizon of the last, the best one.
 
@@ -74,7 +77,7 @@ def path_errors(
 
 
 def _bootstrap_path_errors_m(
-    kernel: CompiledSystem, tuned: JointFit, segments: Sequence[Series]
+    kernel: CompiledSystem, tuned: JointFit, segments: Sequence[TrialSeries]
 ) -> list[float]:
     """Path errors of a model on data made by itself, segment by segment, m."""
     rng, values = np.random.default_rng(NOISE_FLOOR_SEED), tuned.trial_values(kernel, segments)
@@ -85,7 +88,7 @@ def _bootstrap_path_errors_m(
                   list(zip(segments, values, strict=True)))  # fmt: skip
     names, known = [one.name for one in segments], tuned.fit.normal.effects.values
 
-    def draw() -> list[Series]:
+    def draw() -> list[TrialSeries]:
         effects = drawn_trial_effects(known, names, rng)
         at = points_with_effects(kernel, values, effects, tuned.noise)
         return parametric_bootstrap(kernel, segments, at, noises, starts, rng)
@@ -94,8 +97,8 @@ def _bootstrap_path_errors_m(
 
 
 def trial_segments(
-    kernel: CompiledSystem, tuned: JointFit, series: Sequence[Series], horizon_s: float
-) -> list[Series]:
+    kernel: CompiledSystem, tuned: JointFit, series: Sequence[TrialSeries], horizon_s: float
+) -> list[TrialSeries]:
     """Segments of all trials; the states of effects (a lag, a servo) start at the values that the
     model's filter has at that time.
     """
@@ -103,7 +106,7 @@ def trial_segments(
     filtered = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
     out = []
     for one, result in zip(series, filtered, strict=True):
-        for segment in cut_into_segments(one, horizon_s):
+        for segment in cut_trial_into_segments(one, horizon_s):
             frame = int(np.searchsorted(one.times, segment.times[0]))
             mean = segment.mean.copy()
             mean[slots] = result.filtered[frame, slots] if frame else mean[slots]
@@ -118,7 +121,7 @@ def _effect_state_slots(kernel: CompiledSystem) -> list[int]:
     return [k for k in range(first, count) if k not in random]
 
 
-def cut_into_segments(series: Series, horizon_s: float) -> list[Series]:
+def cut_trial_into_segments(series: TrialSeries, horizon_s: float) -> list[TrialSeries]:
     """A trial cut into equal segments not longer than `horizon_s`; the first keeps its start."""
     length = float(series.times[-1] - series.times[0])
     count = max(1, int(np.ceil(length / horizon_s - 1e-6)))
@@ -126,7 +129,7 @@ def cut_into_segments(series: Series, horizon_s: float) -> list[Series]:
     return [_cut_segment(series, a, b) for a, b in itertools.pairwise(edges)]
 
 
-def _cut_segment(series: Series, first: int, last: int) -> Series:
+def _cut_segment(series: TrialSeries, first: int, last: int) -> TrialSeries:
     if first == 0:
         return series.frames(first, last)
     mean, cov = series.mean.copy(), series.cov.copy()
@@ -135,7 +138,7 @@ def _cut_segment(series: Series, first: int, last: int) -> Series:
     return replace(series.frames(first, last), mean=mean, cov=cov)
 
 
-def _state_by_parabola(series: Series, frame: int) -> Float:
+def _state_by_parabola(series: TrialSeries, frame: int) -> Float:
     """x, y, heading, surge, sway and yaw rate at a frame, by a parabola over nearby frames."""
     time = series.times[frame]
     known = np.all(np.isfinite(series.seen), axis=1)
@@ -148,7 +151,7 @@ def _state_by_parabola(series: Series, frame: int) -> Float:
                      vy * np.cos(psi) - vx * np.sin(psi), r])  # fmt: skip
 
 
-def _path_rmse_m(kernel: CompiledSystem, tuned: JointFit, segments: Sequence[Series]) -> float:
+def _path_rmse_m(kernel: CompiledSystem, tuned: JointFit, segments: Sequence[TrialSeries]) -> float:
     """Root mean square distance between seen and simulated over all segments, m."""
     runs = free_runs(kernel, segments, tuned.trial_values(kernel, segments))
     precise = precisely_seen_frames(segments)
@@ -159,7 +162,7 @@ def _path_rmse_m(kernel: CompiledSystem, tuned: JointFit, segments: Sequence[Ser
     return float(np.sqrt(known.mean())) if len(known) else float("nan")
 
 
-def precisely_seen_frames(segments: Sequence[Series]) -> list[np.ndarray]:
+def precisely_seen_frames(segments: Sequence[TrialSeries]) -> list[np.ndarray]:
     """Frames (n,) of each segment that are seen, with a position std of at most `MAX_STD_RATIO`
     times the median of the trial.
     """
@@ -175,7 +178,7 @@ def precisely_seen_frames(segments: Sequence[Series]) -> list[np.ndarray]:
     ]
 
 
-def segment_noise(kernel: CompiledSystem, one: Series, values: Float, noise: Noise) -> Noise:
+def segment_noise(kernel: CompiledSystem, one: TrialSeries, values: Float, noise: Noise) -> Noise:
     """The noise with its random forces, one by one, as strong as makes this segment most likely:
     water is calmer in one trial than in the next.
     """

@@ -10,11 +10,19 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
-from ..fitting import Z_95, MissingForce, Noise, Series, added_force, missing_force, slots_by_name
+from ..fitting import (
+    Z_95,
+    MissingForce,
+    Noise,
+    TrialSeries,
+    added_force,
+    missing_force,
+    slots_by_name,
+)
 from ..integrate import CompiledSystem
 from ..study import Trial
 from ..tuning import JointFit
-from .missing_force_dependence import CHANNELS, covariates
+from .missing_force_dependence import FORCE_CHANNELS, covariates
 
 BIN_COUNT, MIN_FRAMES_PER_BIN = 15, 3
 TRIAL_PARTS = 8
@@ -35,7 +43,7 @@ VARIABLES_OF_EFFECT: Mapping[str, tuple[str, ...]] = {
     "time": ("time_s",),
     "turn": ("yaw_rate_rad_s",),
 }
-"""`VARIABLES` of an effect -> variables of `covariates` over which its law may be drawn."""
+"""What an effect depends on -> variables of `covariates` over which its law may be drawn."""
 DERIVATIVE_STEP_STDS = 0.1
 """Step of the derivatives with respect to a parameter, in its standard deviations."""
 
@@ -54,7 +62,7 @@ class EqualCountBins:
 
 def cause_force_curves(
     kernel: CompiledSystem,
-    series: Sequence[Series],
+    series: Sequence[TrialSeries],
     forces: Sequence[MissingForce],
     tuned: JointFit,
     trials: Mapping[str, Trial],
@@ -76,7 +84,7 @@ def cause_force_curves(
 
 def partial_residuals(
     kernel: CompiledSystem,
-    series: Sequence[Series],
+    series: Sequence[TrialSeries],
     forces: Sequence[MissingForce],
     tuned: JointFit,
     trials: Mapping[str, Trial],
@@ -95,7 +103,7 @@ def partial_residuals(
     ends = np.cumsum([len(one.times) for one in series])[:-1]
     found: dict[str, dict[str, dict[str, Float]]] = {}
     for name, law in laws.items():
-        channel = CHANNELS.index(law["channel"])
+        channel = FORCE_CHANNELS.index(law["channel"])
         own = np.split(
             _cause_force(kernel, series, tuned, name, tuned.fit.values)[:, channel], ends
         )
@@ -113,7 +121,7 @@ def _means_over_trial_parts(values: Float) -> Float:
 
 def _cause_law(
     kernel: CompiledSystem,
-    series: Sequence[Series],
+    series: Sequence[TrialSeries],
     tuned: JointFit,
     name: str,
     over: Mapping[str, Float],
@@ -141,14 +149,14 @@ def _cause_law(
     mean = grid.means(y)
     half = _half_width_95(tuned, own, lambda at: grid.means(force(at)[:, channel]), mean)
     law: dict[str, Any] = {
-        "variable": variable, "x": grid.x, "y": mean, "channel": CHANNELS[channel],
+        "variable": variable, "x": grid.x, "y": mean, "channel": FORCE_CHANNELS[channel],
         "y_unit": CHANNEL_UNITS[channel], "explained": shares[variable], "low": [], "high": [],
     }  # fmt: skip
     return law if half is None else law | {"low": mean - half, "high": mean + half}
 
 
 def _cause_force(
-    kernel: CompiledSystem, series: Sequence[Series], tuned: JointFit, name: str, values: Float
+    kernel: CompiledSystem, series: Sequence[TrialSeries], tuned: JointFit, name: str, values: Float
 ) -> Float:
     """Force (frames, channels) of one cause along all trials, with these fitted numbers."""
     free, slots = tuned.fit.free, slots_by_name(kernel)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..fitting import MissingForce, Series
+from ..fitting import MissingForce, TrialSeries
 from ..study import Trial
 
 FOLD_COUNT, POLYNOMIAL_DEGREE = 6, 3
@@ -28,11 +28,11 @@ MIN_EXPLAINED_SHARE_IN_WEAK_CHANNEL, MIN_TOTAL_SHARE_OF_WEAK_CHANNEL = 0.3, 0.00
 the first share of the channel's force, and this force is at least the second share of all missing
 force (sums of squares, scaled).
 """
-CHANNELS = ("surge", "sway", "yaw")
+FORCE_CHANNELS = ("surge", "sway", "yaw")
 
 
 @dataclass(frozen=True)
-class Dependence:
+class ForceDependence:
     """Share of all the missing force that a variable explains in a channel, in conditions left
     out; channels are scaled by the random force that remains in each. adds: the share that it
     explains beyond better variables of the channel; 0 where it is not among the first.
@@ -45,7 +45,9 @@ class Dependence:
     adds: float = 0.0
 
 
-def condition_folds(series: Sequence[Series], count: int = FOLD_COUNT) -> list[np.ndarray]:
+def trial_indices_by_fold(
+    series: Sequence[TrialSeries], count: int = FOLD_COUNT
+) -> list[np.ndarray]:
     """Trials by fold; a condition is in one fold only, folds are about equally long."""
     conditions = sorted({s.condition for s in series})
     order = {c: i % min(count, max(len(conditions), 1)) for i, c in enumerate(conditions)}
@@ -53,19 +55,19 @@ def condition_folds(series: Sequence[Series], count: int = FOLD_COUNT) -> list[n
     return [np.flatnonzero(chosen == k) for k in sorted(set(order.values()))]
 
 
-def dependences(
-    series: Sequence[Series],
+def force_dependences(
+    series: Sequence[TrialSeries],
     forces: Sequence[Float],
     variables: Sequence[Mapping[str, Float]],
     units: Float,
-) -> list[Dependence]:
+) -> list[ForceDependence]:
     """Dependences of every channel on every variable, the largest share first.
 
     forces: (n, channels) of each trial. variables: one mapping a trial, name -> (n,), as `forces`
     has frames. units (channels,): size of a force in each channel that means as much as in the
     others.
     """
-    parts = condition_folds(series)
+    parts = trial_indices_by_fold(series)
     scaled = [f / units for f in forces]
     total = max(sum(float(np.sum(y**2)) for y in scaled), 1e-300)
     found = []
@@ -77,7 +79,7 @@ def dependences(
             order = [int(t) for t in np.argsort(-explained) if explained[t] > 0]
             trials = tuple(series[t].name for t in order[: max(3, len(order) // 4)])
             share = max(0.0, float(explained.sum())) / total
-            found.append(Dependence(channel, name, share, trials, adds.get(name, 0.0)))
+            found.append(ForceDependence(channel, name, share, trials, adds.get(name, 0.0)))
     return sorted(found, key=lambda d: -d.share)
 
 
@@ -146,13 +148,13 @@ def cv_explained_squares(
 
 
 def covariates(
-    series: Sequence[Series], forces: Sequence[MissingForce], trials: Mapping[str, Trial]
+    series: Sequence[TrialSeries], forces: Sequence[MissingForce], trials: Mapping[str, Trial]
 ) -> list[dict[str, Float]]:
     """What a missing force may depend on, frame by frame, for every trial."""
     return [_trial_covariates(s, f, trials[s.name]) for s, f in zip(series, forces, strict=True)]
 
 
-def _trial_covariates(series: Series, force: MissingForce, trial: Trial) -> dict[str, Float]:
+def _trial_covariates(series: TrialSeries, force: MissingForce, trial: Trial) -> dict[str, Float]:
     x, y, psi, u, v, r = force.states[:, :6].T
     n = len(x)
     phi = trial.head_angle_rad

@@ -8,25 +8,27 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
-from ..fitting import Series, trial_values
-from ..integrate import CompiledSystem, compiled
-from ..model import plates, simulate
+from ..fitting import TrialSeries, trial_parameter_vector
+from ..integrate import CompiledSystem, compile_system
+from ..model import simulate, two_plate_system
 from ..study import Study
 from .find import MismatchResult
 
 
 def next_trial_json(
-    found: MismatchResult, study: Study, series: Sequence[Series]
+    found: MismatchResult, study: Study, series: Sequence[TrialSeries]
 ) -> dict[str, Any]:
     """The trial in which the two most probable sets of causes differ most."""
-    kernel, sets = compiled(plates()), found.posterior.sets
+    kernel, sets = compile_system(two_plate_system()), found.posterior.sets
     order = np.argsort(-found.posterior.probability)
     first = found.model
     other = next((sets[i].model for i in order if sets[i].model.key != first.key), first)
     flap = {g: float(np.mean([s.inputs[0, 1] for s in series if s.group == g]))
             for g in sorted({s.group for s in series}, key=float)}  # fmt: skip
     base = found.baseline.base
-    values = [trial_values(kernel, base, m.fit.free, m.fit.values, "") for m in (first, other)]
+    values = [
+        trial_parameter_vector(kernel, base, m.fit.free, m.fit.values, "") for m in (first, other)
+    ]
     best = best_next_trial(study, kernel, values[0], values[1], flap)
     question = disagreement_text(first.causes, other.causes)
     floor = 1000 * found.floor_m if np.isfinite(found.floor_m) else 0.0

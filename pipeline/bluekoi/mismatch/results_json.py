@@ -7,21 +7,23 @@ from typing import Any
 
 from ..engine import NamedCause
 from ..engine.calibration import calibrated_probability
-from ..engine.naming import UNEXPLAINED
+from ..engine.naming import UNLISTED_FORCE_LABEL
 from ..explain.results_json import rival_rows
-from ..fitting import Series
+from ..fitting import TrialSeries
 from ..integrate import Effect
-from ..model import is_residual, plates, residual_channels
+from ..model import is_residual, residual_channels, two_plate_system
 from ..study import Study
-from .extended_model import estimates
+from .extended_model import estimates_by_label
 from .find import MismatchResult
-from .missing_force_dependence import CHANNELS
+from .missing_force_dependence import FORCE_CHANNELS
 from .next_trial import next_trial_json
 from .robot_problem import CAMERA_SHIFT_EFFECT
 from .sentences import unexplained_sentence, verdict_sentence
 
 
-def mismatch_json(found: MismatchResult, study: Study, series: Sequence[Series]) -> dict[str, Any]:
+def mismatch_json(
+    found: MismatchResult, study: Study, series: Sequence[TrialSeries]
+) -> dict[str, Any]:
     """Content of mismatch.json as the contract lists it."""
     named = causes_json(found)
     return {
@@ -29,7 +31,7 @@ def mismatch_json(found: MismatchResult, study: Study, series: Sequence[Series])
         "sentence": verdict_sentence(found, named),
         "causes": named,
         "rivals": rivals_json(found),
-        "probabilities": probabilities(found),
+        "probabilities": probability_by_cause(found),
         "where": dependence_json(found),
         "held_out": {
             "trials": list(found.held_out),
@@ -45,22 +47,22 @@ def mismatch_json(found: MismatchResult, study: Study, series: Sequence[Series])
     }
 
 
-def probabilities(found: MismatchResult) -> dict[str, float]:
+def probability_by_cause(found: MismatchResult) -> dict[str, float]:
     """Calibrated probability of every named candidate and of an unlisted force."""
-    names = [e.name for e in plates().effects if e.kind in ("physics", "measurement")]
+    names = [e.name for e in two_plate_system().effects if e.kind in ("physics", "measurement")]
     inclusion = found.posterior.inclusion
     stated = {name: calibrated_probability(inclusion.get(name, 0.0)) for name in names}
-    return stated | {UNEXPLAINED: found.unexplained}
+    return stated | {UNLISTED_FORCE_LABEL: found.unexplained}
 
 
 def causes_json(found: MismatchResult) -> list[dict[str, Any]]:
     """The named causes, the one that explains most first, and what is left unexplained."""
     out = [_cause_json(found, cause) for cause in found.named]
-    return [*out, _unexplained_json(found)] if found.verdict == UNEXPLAINED else out
+    return [*out, _unexplained_json(found)] if found.verdict == UNLISTED_FORCE_LABEL else out
 
 
 def _cause_json(found: MismatchResult, cause: NamedCause) -> dict[str, Any]:
-    effect = plates().effect(cause.name)
+    effect = two_plate_system().effect(cause.name)
     return {
         "name": cause.name,
         "kind": effect.kind,
@@ -84,7 +86,10 @@ def _regime_text(found: MismatchResult, effect: Effect) -> str:
 
 def _parameters_json(found: MismatchResult, name: str) -> dict[str, dict[str, Any]]:
     """A cause's numbers; std such that value +- 1.96 std is their 95 % interval."""
-    stated, rows = estimates(found.extended), {p.name: p for p in plates().parameters}
+    stated, rows = (
+        estimates_by_label(found.extended),
+        {p.name: p for p in two_plate_system().parameters},
+    )
     return {
         label.split(".", 1)[1]: {
             "value": value,
@@ -104,8 +109,8 @@ def extended_residual_terms(found: MismatchResult) -> list[str]:
 
 def _unexplained_json(found: MismatchResult) -> dict[str, Any]:
     terms = extended_residual_terms(found)
-    channels = sorted({c for t in terms for c in _term_channels(t)}, key=CHANNELS.index)
-    depends = [d for d in found.dependences if CHANNELS[d.channel] in channels] or list(
+    channels = sorted({c for t in terms for c in _term_channels(t)}, key=FORCE_CHANNELS.index)
+    depends = [d for d in found.dependences if FORCE_CHANNELS[d.channel] in channels] or list(
         found.dependences
     )
     variable = depends[0].variable if depends else "nothing that was tried"
@@ -113,7 +118,7 @@ def _unexplained_json(found: MismatchResult) -> dict[str, Any]:
     for effect in sorted({t.split(".")[0] for t in terms}):
         parameters |= _parameters_json(found, effect)
     return {
-        "name": UNEXPLAINED,
+        "name": UNLISTED_FORCE_LABEL,
         "kind": "physics",
         "channels": channels,
         "regime": f"depends on {variable}",
@@ -125,12 +130,16 @@ def _unexplained_json(found: MismatchResult) -> dict[str, Any]:
 
 def _term_channels(term: str) -> tuple[str, ...]:
     effect, number = term.split(".", 1)
-    return residual_channels(number) if effect == "residual" else plates().effect(effect).channels
+    return (
+        residual_channels(number)
+        if effect == "residual"
+        else two_plate_system().effect(effect).channels
+    )
 
 
 def rivals_json(found: MismatchResult) -> list[dict[str, Any]]:
     """Candidates that may act in the place of a named cause, or beside the named ones."""
-    listed = {n: p for n, p in probabilities(found).items() if n != UNEXPLAINED}
+    listed = {n: p for n, p in probability_by_cause(found).items() if n != UNLISTED_FORCE_LABEL}
     return [
         r | {"how_to_tell_apart": _where_to_distinguish(r["in_place_of"], r["name"])}
         for r in rival_rows(found.named, listed)
@@ -142,7 +151,7 @@ def _where_to_distinguish(name: str, other: str) -> str:
     if not name:
         return f"{other} would act in {_regime_or_all_trials(other)}: film more trials there"
     first = _regime_or_all_trials(name)
-    if other == UNEXPLAINED:
+    if other == UNLISTED_FORCE_LABEL:
         return (
             f"an unlisted force describes these trials about as well as {name}: film where {name} "
             f"should be strongest ({first}) and where it should vanish"
@@ -152,7 +161,7 @@ def _where_to_distinguish(name: str, other: str) -> str:
 
 
 def _regime_or_all_trials(name: str) -> str:
-    return plates().effect(name).regime or "all trials"
+    return two_plate_system().effect(name).regime or "all trials"
 
 
 def dependence_json(found: MismatchResult) -> list[dict[str, Any]]:
@@ -160,7 +169,7 @@ def dependence_json(found: MismatchResult) -> list[dict[str, Any]]:
     if found.verdict == "none":
         return []
     strong = sorted((d for d in found.dependences if d.adds > 0), key=lambda d: -d.adds)
-    return [{"channel": CHANNELS[d.channel], "variable": d.variable, "share": d.adds,
+    return [{"channel": FORCE_CHANNELS[d.channel], "variable": d.variable, "share": d.adds,
              "trials": list(d.trials)} for d in strong]  # fmt: skip
 
 
@@ -176,7 +185,7 @@ def details_json(found: MismatchResult) -> dict[str, Any]:
                 "heading_rad": f.states[:, 2],
                 **{f"{c}_{u}": f.force[:, i]
                    for i, (c, u) in enumerate((("surge", "N"), ("sway", "N"), ("yaw", "Nm")))},
-                **{f"{c}_std": f.std[:, i] for i, c in enumerate(CHANNELS)},
+                **{f"{c}_std": f.std[:, i] for i, c in enumerate(FORCE_CHANNELS)},
             }
             for f in found.forces
         },
@@ -189,7 +198,7 @@ def details_json(found: MismatchResult) -> dict[str, Any]:
         ],
         "coefficients": {
             name: {label: {"value": value, "std": std}
-                   for label, (value, std) in estimates(tuned).items()}
+                   for label, (value, std) in estimates_by_label(tuned).items()}
             for name, tuned in (("before", found.baseline), ("after", found.extended))
         },
     }  # fmt: skip

@@ -25,13 +25,17 @@ import numpy as np
 from scipy.optimize import minimize
 
 from ..camera.geometry_hypotheses import SYSTEMATIC_LENGTH_ERROR_SHARE
-from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE, Distances, excess_by_keypoint_shift
+from ..camera.rigid_distances import (
+    STATED_LENGTH_STD_SHARE,
+    RigidDistances,
+    length_excess_by_keypoint_shift,
+)
 from ..data import Float
 from ..fitting import SharedMeasurement
 from ..integrate import Effect, System, elementwise
 from .robot_problem import LABEL_STD_M, UNKNOWN_DEPTH_STD_SHARE
 
-CALIBRATION_STD = {"lens_error": 0.0005, "uncorrected_refraction": 0.001}
+CALIBRATION_ERROR_STD = {"lens_error": 0.0005, "uncorrected_refraction": 0.001}
 """Strengths of errors that a careful calibration leaves: those that change lengths by
 `SYSTEMATIC_LENGTH_ERROR_SHARE`, 0.05 %, about a metre from the middle (1/m2), and a depth wrong by
 2 mm seen from 1.5 m."""
@@ -45,7 +49,7 @@ MIN_INFORMATION_SHARE = 1e-6
 differences of patterns that rounding determines."""
 
 
-def effects_on_lengths(system: System) -> tuple[Effect, ...]:
+def effects_that_change_lengths(system: System) -> tuple[Effect, ...]:
     """Effects that displace what is seen by an amount that varies over the picture, and so change
     the lengths seen.
     """
@@ -54,7 +58,7 @@ def effects_on_lengths(system: System) -> tuple[Effect, ...]:
 
 
 def length_measurement(
-    system: System, constants: Mapping[str, float], windows: Distances, *, trials: int,
+    system: System, constants: Mapping[str, float], windows: RigidDistances, *, trials: int,
     depth_given: bool, systematic: float = SYSTEMATIC_LENGTH_ERROR_SHARE,
 ) -> SharedMeasurement | None:  # fmt: skip
     """`SharedMeasurement` of the lengths in `windows`; None where too few were seen.
@@ -63,7 +67,7 @@ def length_measurement(
     detector that is the same in all trials.
     """
     windows = _windows_of_max_trials(windows)
-    effects = effects_on_lengths(system)
+    effects = effects_that_change_lengths(system)
     camera = _LengthExcess(effects, dict(constants), windows)
     patterns = camera.patterns()
     if len(windows.excess_m) <= 2 * patterns.shape[1]:
@@ -91,14 +95,16 @@ def length_measurement(
     return SharedMeasurement(names, errors, trials)
 
 
-def _windows_of_max_trials(windows: Distances) -> Distances:
+def _windows_of_max_trials(windows: RigidDistances) -> RigidDistances:
     """Windows of `MAX_TRIALS` trials, evenly spread: more would determine nothing better."""
     labels = np.unique(windows.trial)
     if len(labels) <= MAX_TRIALS:
         return windows
     chosen = labels[np.linspace(0, len(labels) - 1, MAX_TRIALS).round().astype(int)]
     rows = np.isin(windows.trial, chosen)
-    return Distances(**{f.name: getattr(windows, f.name)[rows] for f in fields(Distances)})
+    return RigidDistances(
+        **{f.name: getattr(windows, f.name)[rows] for f in fields(RigidDistances)}
+    )
 
 
 @dataclass(frozen=True)
@@ -107,7 +113,7 @@ class _LengthExcess:
 
     effects: tuple[Effect, ...]
     constants: Mapping[str, float]
-    windows: Distances
+    windows: RigidDistances
 
     def excess(self, effect: Effect, values: Sequence[float]) -> Float:
         """Excess (n,) of the lengths, m, by an effect: difference of the ends' displacements along
@@ -179,7 +185,7 @@ class _NuisancePatterns:
 
 
 def _nuisance_patterns(
-    camera: _LengthExcess, windows: Distances, *, depth_given: bool, systematic: float
+    camera: _LengthExcess, windows: RigidDistances, *, depth_given: bool, systematic: float
 ) -> _NuisancePatterns:
     known, pair = windows.known_m, windows.pair.round()
     groups: list[tuple[str, Float, float]] = []
@@ -188,7 +194,7 @@ def _nuisance_patterns(
         groups.append(("stated", np.where(stated, known, 0.0), STATED_LENGTH_STD_SHARE))
     across = np.where(pair == 0, np.sin(windows.bend_rad), 0.0)  # a hinge marked beside the core
     groups += [("label", column, 1.0)
-               for column in (*excess_by_keypoint_shift(windows).values(), across)
+               for column in (*length_excess_by_keypoint_shift(windows).values(), across)
                if column.any()]  # fmt: skip
     groups += [("trial", np.where(windows.trial == t, known, 0.0), 1.0)
                for t in np.unique(windows.trial)]  # fmt: skip
@@ -196,7 +202,7 @@ def _nuisance_patterns(
     reach = np.maximum(np.ptp(middle, axis=0), known.max())
     x, y = ((middle - middle.mean(axis=0)) / reach).T * 2.0
     groups += [("smooth", known * term, systematic) for term in (1.0, x, y, x * x, x * y, y * y)]
-    for name, size in CALIBRATION_STD.items():
+    for name, size in CALIBRATION_ERROR_STD.items():
         known_depth = depth_given or name != "uncorrected_refraction"
         std = size if known_depth else UNKNOWN_DEPTH_STD_SHARE
         effect = next(e for e in camera.effects if e.name == name)
@@ -207,7 +213,7 @@ def _nuisance_patterns(
     return _NuisancePatterns(columns.T, stds**2, kind == "label", kind == "trial")
 
 
-def _whitening_rows(basis: Float, others: _NuisancePatterns, windows: Distances) -> Float:
+def _whitening_rows(basis: Float, others: _NuisancePatterns, windows: RigidDistances) -> Float:
     """Rows (m, n) that turn excesses into independent numbers of unit variance, in the space of the
     patterns (n, k), each as large as is plausible.
     """

@@ -7,14 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..engine import Priors, Problem, candidates_of
-from ..fitting import Series, TrialEffect
+from ..engine import CauseSearchProblem, Priors, candidates_of
+from ..fitting import TrialEffect, TrialSeries
 from ..integrate import CompiledSystem, System
-from ..model import STATE_VARIABLES, residual_channels_and_variables
-from ..model.plates import INPUTS
+from ..model import MOTION_VARIABLES, residual_channels_and_variables
+from ..model.plates import CONTROL_INPUT_NAMES
 from ..tuning import JointFit
-from .camera_displacement import CAMERA_SHIFT_EFFECT, TAIL_FACTOR, CameraDisplacement
-from .wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock, with_steady_clock
+from .camera_displacement import (
+    CAMERA_SHIFT_EFFECT,
+    NULL_DISTRIBUTION_TAIL_FACTOR,
+    CameraDisplacement,
+)
+from .wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock, with_constant_clock_error
 
 SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
 FREQUENCY_STD_SHARE = 0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
@@ -46,14 +50,14 @@ CAUSE_KINDS = ("physics", "measurement", "residual")
 
 def robot_problem(
     kernel: CompiledSystem,
-    series: Sequence[Series],
+    series: Sequence[TrialSeries],
     baseline: JointFit,
     *,
     displaced: Sequence[CameraDisplacement],
     by_homography: bool = False,
     progress: Callable[[str], None],
-) -> Problem:
-    """`Problem` of a campaign.
+) -> CauseSearchProblem:
+    """`CauseSearchProblem` of a campaign.
 
     displaced: camera displacements found; only with them is `camera_shift` a candidate. Their
     moments were chosen from many, which lowers its prior probability, as that of a wrong clock in
@@ -65,35 +69,37 @@ def robot_problem(
     names = [e.name for e in system.effects if e.kind in CAUSE_KINDS and e.name not in left_out
              and (displaced or e.name != CAMERA_SHIFT_EFFECT)]  # fmt: skip
     odds = PRIORS.cause * np.exp(
-        -TAIL_FACTOR * sum(np.log(len(series) * d.moments) for d in displaced)
+        -NULL_DISTRIBUTION_TAIL_FACTOR * sum(np.log(len(series) * d.moments) for d in displaced)
     )
     likely = {**(PRIORS.likely or {}), CAMERA_SHIFT_EFFECT: float(odds)}
     if trials_with_wrong_clock(series):
         likely[CLOCK_CAUSE] = PRIORS.cause / len(series)
     priors = replace(PRIORS, likely=likely)
     candidates = candidates_of(system, names, priors, residual_channels_and_variables())
-    return Problem(
+    return CauseSearchProblem(
         kernel=kernel,
         series=tuple(series),
         base=baseline.base,
         coefficients=baseline.fit.free,
-        candidates=with_steady_clock(candidates, series),
+        candidates=with_constant_clock_error(candidates, series),
         noise=replace(baseline.noise, trial_effects=_trial_effects(baseline)),
         tolerances=LABEL_OFFSET_STDS | (HOMOGRAPHY_TOLERANCES if by_homography else {}),
-        state_variables=STATE_VARIABLES,
+        state_variables=MOTION_VARIABLES,
         progress=progress,
     )
 
 
-def undetermined_causes(system: System, series: Sequence[Series]) -> list[str]:
+def undetermined_causes(system: System, series: Sequence[TrialSeries]) -> list[str]:
     """Names of the causes that these trials cannot show, whatever their size."""
-    angles = np.array([np.median(s.inputs[:, INPUTS.index("head_angle")]) for s in series])
+    angles = np.array(
+        [np.median(s.inputs[:, CONTROL_INPUT_NAMES.index("head_angle")]) for s in series]
+    )
     if (angles > MIN_TURN_RAD).any() and (angles < -MIN_TURN_RAD).any():
         return []
     return [e.name for e in system.effects if e.needs_both_sides]
 
 
-def undetermined_cause_warnings(system: System, series: Sequence[Series]) -> list[str]:
+def undetermined_cause_warnings(system: System, series: Sequence[TrialSeries]) -> list[str]:
     """A sentence for each of `undetermined_causes`: what to film."""
     return [
         f"{name} cannot be judged, because no trials turn to both sides. Film the same head angles "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..engine.naming import UNEXPLAINED
+from ..engine.naming import UNLISTED_FORCE_LABEL
 from ..tuning import coefficient_table
 from .find import MismatchResult
 
@@ -18,15 +18,15 @@ def verdict_sentence(found: MismatchResult, named: Sequence[Mapping[str, Any]]) 
     """One sentence of verdict."""
     if found.verdict == "none":
         return _no_cause_sentence(found)
-    names = " and ".join(_with_probability(c) for c in named if c["name"] != UNEXPLAINED)
+    names = " and ".join(_with_probability(c) for c in named if c["name"] != UNLISTED_FORCE_LABEL)
     errors = _path_error_clause(found)
     first = f"{_physics_or_measurement(named)}: {names}" if names else ""
     excess = excess_error_clause(found)
-    if found.verdict == UNEXPLAINED:
+    if found.verdict == UNLISTED_FORCE_LABEL:
         beside = f"{first}; in addition a" if first else "A"
         return f"{beside} force acts that no listed cause describes; {errors}{excess}."
     members = {n for c in named for n in c.get("credible_set", ())} - {c["name"] for c in named}
-    doubt = ["an unlisted force" if n == UNEXPLAINED else n for n in sorted(members)]
+    doubt = ["an unlisted force" if n == UNLISTED_FORCE_LABEL else n for n in sorted(members)]
     instead = f" (or {', '.join(doubt)}: these trials cannot separate them)" if doubt else ""
     return f"{first}{instead}; {errors}{excess}."
 
@@ -62,7 +62,7 @@ def unexplained_sentence(variable: str) -> str:
 
 
 def _physics_or_measurement(named: Sequence[Mapping[str, Any]]) -> str:
-    kind = next((c["kind"] for c in named if c["name"] != UNEXPLAINED), "")
+    kind = next((c["kind"] for c in named if c["name"] != UNLISTED_FORCE_LABEL), "")
     return "Measurement error" if kind == "measurement" else "Missing physics"
 
 

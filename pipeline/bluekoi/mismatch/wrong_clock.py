@@ -6,16 +6,18 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from ..engine import Candidate
-from ..fitting import Series
-from ..model import plates
+from ..fitting import TrialSeries
+from ..model import two_plate_system
 
 CLOCK_CAUSE, CLOCK_PART_NAME = "clock_error", "clock_part"
 CLOCK_DRIFT = f"{CLOCK_CAUSE}.drift"
 
 
-def with_clock_part(series: Sequence[Series], wrong: Collection[str]) -> list[Series]:
+def with_clock_error_in_trials(
+    series: Sequence[TrialSeries], wrong: Collection[str]
+) -> list[TrialSeries]:
     """Trials of which those named in `wrong` alone have an error of the frame rate."""
-    place, out = plates().constants.index(CLOCK_PART_NAME), []
+    place, out = two_plate_system().constants.index(CLOCK_PART_NAME), []
     for one in series:
         constants = one.constants.copy()
         constants[place] = float(one.name in wrong)
@@ -23,15 +25,15 @@ def with_clock_part(series: Sequence[Series], wrong: Collection[str]) -> list[Se
     return out
 
 
-def trials_with_wrong_clock(series: Sequence[Series]) -> list[str]:
+def trials_with_wrong_clock(series: Sequence[TrialSeries]) -> list[str]:
     """Names of the trials whose frame rate alone may be wrong; empty where it is that of all."""
-    place = plates().constants.index(CLOCK_PART_NAME)
+    place = two_plate_system().constants.index(CLOCK_PART_NAME)
     part = [s.name for s in series if s.constants[place] == 1]
     return part if len(part) < len(series) else []
 
 
-def with_steady_clock(
-    candidates: Sequence[Candidate], series: Sequence[Series]
+def with_constant_clock_error(
+    candidates: Sequence[Candidate], series: Sequence[TrialSeries]
 ) -> tuple[Candidate, ...]:
     """Candidates of which a wrong frame rate is constant where no motor log is compared with it.
 

@@ -1,9 +1,15 @@
 """The two-plate model: Eqs. 1 to 8, the effects that may be added, and simulations of both."""
 
-from ..observation import OBSERVATIONS
-from .plates import COEFFICIENTS, effect_names, is_residual, plates
-from .published import FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING
-from .residual import STATE_VARIABLES
-from .residual import channels as residual_channels
+from ..observation import OBSERVED_QUANTITIES
+from .plates import HYDRODYNAMIC_COEFFICIENTS, effect_names, is_residual, two_plate_system
+from .published import PUBLISHED_FLAP_HZ, PUBLISHED_UNITS_NOTE, TABLE_1, TABLE_2_PCT
+from .residual import MOTION_VARIABLES
 from .residual import channels_and_variables as residual_channels_and_variables
-from .simulation import Simulation, constants, simulate, simulate_at, steady_turn
+from .residual import channels_of_residual_term as residual_channels
+from .simulation import (
+    Simulation,
+    constants_of_robot_trial,
+    simulate,
+    simulate_at,
+    steady_speed_and_radius,
+)

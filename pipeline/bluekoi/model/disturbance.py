@@ -9,16 +9,16 @@ from __future__ import annotations
 
 from ..integrate.system import Parameter
 
-KIND = "disturbance"
-CHANNELS = ("surge", "sway", "yaw")
-STATEMENT = "The water is never quite still and pushes the robot about at random."
-PARAMETERS = (
+EFFECT_KIND = "disturbance"
+AFFECTED_CHANNELS = ("surge", "sway", "yaw")
+EFFECT_DESCRIPTION = "The water is never quite still and pushes the robot about at random."
+EFFECT_PARAMETERS = (
     Parameter("present", "1", 1.0, 0.0, 1.0, "1 where the forces act"),
     Parameter("tau_surge", "s", 0.5, 0.05, 5.0, "time within which the surge force is forgotten"),
     Parameter("tau_sway", "s", 0.5, 0.05, 5.0, "time within which the sway force is forgotten"),
     Parameter("tau_yaw", "s", 0.5, 0.05, 5.0, "time within which the yaw moment is forgotten"),
 )
-STATES = ("g_surge", "g_sway", "g_yaw")
+EFFECT_STATE_NAMES = ("g_surge", "g_sway", "g_yaw")
 
 
 def force(g_surge: float, g_sway: float, g_yaw: float) -> tuple[float, float, float]:
@@ -26,7 +26,7 @@ def force(g_surge: float, g_sway: float, g_yaw: float) -> tuple[float, float, fl
     return g_surge, g_sway, g_yaw
 
 
-def own_rates(
+def effect_state_derivatives(
     g_surge: float, g_sway: float, g_yaw: float, tau_surge: float, tau_sway: float, tau_yaw: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Derivatives of the three forces (N/s, N m/s)."""

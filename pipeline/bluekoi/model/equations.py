@@ -24,18 +24,18 @@ MIN_SPEED_SQUARED = (
 )
 
 
-def drive(head_angle: float, flap_hz: float) -> tuple[float, float]:
+def actuation_inputs(head_angle: float, flap_hz: float) -> tuple[float, float]:
     """Head angle phi (rad) and flapping frequency f (Hz) as commanded or measured."""
     return head_angle, flap_hz
 
 
-def head(phi: float) -> tuple[float, float]:
+def head_angle_cos_sin(phi: float) -> tuple[float, float]:
     """Cosine and sine of the head angle."""
     s, c = sin_cos(phi)
     return c, s
 
 
-def flow(
+def relative_flow_velocities(
     l: float, psi: float, u: float, v: float, r: float, cphi: float, sphi: float, wx: float, wy:
     float, wr: float, wd: float,
 ) -> tuple[float, float, float, float, float, float, float, float, float]:  # fmt: skip
@@ -59,7 +59,7 @@ def thrust(rho: float, A: float, f: float, C_T: float) -> tuple[float]:
     return (C_T * 0.5 * rho * A * f * f,)
 
 
-def plate(
+def head_plate_force(
     rho: float, A: float, uh: float, vh: float, V: float, C_La: float, C_D0: float, C_Da: float
 ) -> tuple[float, float]:
     """Lift and drag of the head plate, in its own frame, N.
@@ -91,7 +91,7 @@ def inertia(m: float, I: float) -> tuple[float, float, float]:
     return m, m, I
 
 
-def mobility(mx: float, my: float, J: float) -> tuple[float, float, float]:
+def inverse_inertias(mx: float, my: float, J: float) -> tuple[float, float, float]:
     """Acceleration by a unit force: 1/mx, 1/my (1/kg), 1/J (1/(kg m2))."""
     return 1.0 / mx, 1.0 / my, 1.0 / J
 
@@ -101,7 +101,7 @@ def core_turn_rate() -> tuple[float]:
     return (0.0,)
 
 
-def rates(
+def rigid_body_state_derivatives(
     u: float, v: float, r: float, core_turn_rate: float, cpsi: float, spsi: float, X: float, Y:
     float, N: float, mx: float, my: float, bx: float, by: float, bJ: float,
 ) -> tuple[float, float, float, float, float, float]:  # fmt: skip

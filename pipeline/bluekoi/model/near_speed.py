@@ -13,10 +13,10 @@ from collections.abc import Callable
 
 from ..integrate import Effect, Parameter
 
-KIND = "residual"
+EFFECT_KIND = "residual"
 ONE_SIDED_SPEED_VARIABLE = "speed, to one side"
 """Variable of side forces and moments: no mirror-symmetric law leaves them as its remainder."""
-Force = tuple[float, float, float]
+SurgeSwayYaw = tuple[float, float, float]
 TRIED_SPEEDS_M_S = (0.15, 0.2, 0.26, 0.42, 0.53)
 TRIED_WIDTH_M_S = 0.05
 """Other speeds are tried with this width: tries of several shapes go together, one by one."""
@@ -43,26 +43,26 @@ def peak_about_speed(V: float, c: float, w: float) -> float:
 
 def surge_near_speed(
     rho: float, A: float, uc: float, V: float, h: float, c: float, w: float
-) -> Force:
+) -> SurgeSwayYaw:
     """Surge force (N)."""
     return -h * 0.5 * rho * A * V * uc * peak_about_speed(V, c, w), 0.0, 0.0
 
 
-def sway_near_speed(V: float, h: float, c: float, w: float) -> Force:
+def sway_near_speed(V: float, h: float, c: float, w: float) -> SurgeSwayYaw:
     """Sway force (N)."""
     return 0.0, h * peak_about_speed(V, c, w), 0.0
 
 
-def yaw_near_speed(V: float, h: float, c: float, w: float) -> Force:
+def yaw_near_speed(V: float, h: float, c: float, w: float) -> SurgeSwayYaw:
     """Yaw moment (N m)."""
     return 0.0, 0.0, h * peak_about_speed(V, c, w)
 
 
-def _residual_effect(force: Callable[..., Force]) -> Effect:
+def _residual_effect(force: Callable[..., SurgeSwayYaw]) -> Effect:
     channel = force.__name__.split("_", maxsplit=1)[0]
     return Effect(
         name=force.__name__,
-        kind=KIND,
+        kind=EFFECT_KIND,
         statement=f"A {channel} force rises or falls about one speed.",
         parameters=(STRENGTH_PARAMETERS[channel], *SHAPE_PARAMETERS),
         hooks={"force": force},
@@ -72,7 +72,7 @@ def _residual_effect(force: Callable[..., Force]) -> Effect:
     )
 
 
-EFFECTS = tuple(
+RESIDUAL_FORCE_EFFECTS = tuple(
     _residual_effect(force) for force in (surge_near_speed, sway_near_speed, yaw_near_speed)
 )
 """Residual terms about one speed, one for each channel."""

@@ -15,8 +15,8 @@ from collections.abc import Callable
 from ..integrate import Effect, Parameter
 from ..integrate.branchless import sin_cos
 
-KIND = "residual"
-Force = tuple[float, float, float]
+EFFECT_KIND = "residual"
+SurgeSwayYaw = tuple[float, float, float]
 TRIED_RATES_RAD_S = (1.2, 1.7, 2.2, 2.7, 3.2, 3.8, 4.4, 5.1, 5.9)
 """rad/s: neighbours differ by half a cycle in the 6 s of a usual trial."""
 TRIED_WAVE_NUMBERS_PER_M = (2.4, 3.4, 4.6, 6.2, 8.0)
@@ -25,99 +25,113 @@ TRIED_HARMONICS = (1.0, 2.0, 3.0, 4.0)
 """Waves in a full turn."""
 
 
-def wave(z: float, s: float, c: float, W: float) -> float:
+def sinusoidal_force_profile(z: float, s: float, c: float, W: float) -> float:
     """F of the equation above."""
     sine, cosine = sin_cos(W * z)
     return s * sine + c * cosine
 
 
-def surge_with_time(t: float, s: float, c: float, W: float) -> Force:
+def surge_with_time(t: float, s: float, c: float, W: float) -> SurgeSwayYaw:
     """Surge force (N)."""
-    return wave(t, s, c, W), 0.0, 0.0
+    return sinusoidal_force_profile(t, s, c, W), 0.0, 0.0
 
 
-def sway_with_time(t: float, s: float, c: float, W: float) -> Force:
+def sway_with_time(t: float, s: float, c: float, W: float) -> SurgeSwayYaw:
     """Sway force (N)."""
-    return 0.0, wave(t, s, c, W), 0.0
+    return 0.0, sinusoidal_force_profile(t, s, c, W), 0.0
 
 
-def yaw_with_time(t: float, s: float, c: float, W: float) -> Force:
+def yaw_with_time(t: float, s: float, c: float, W: float) -> SurgeSwayYaw:
     """Yaw moment (N m)."""
-    return 0.0, 0.0, wave(t, s, c, W)
+    return 0.0, 0.0, sinusoidal_force_profile(t, s, c, W)
 
 
-def surge_along_x(x: float, s: float, c: float, W: float) -> Force:
+def surge_along_x(x: float, s: float, c: float, W: float) -> SurgeSwayYaw:
     """Surge force (N)."""
-    return wave(x, s, c, W), 0.0, 0.0
+    return sinusoidal_force_profile(x, s, c, W), 0.0, 0.0
 
 
-def sway_along_x(x: float, s: float, c: float, W: float) -> Force:
+def sway_along_x(x: float, s: float, c: float, W: float) -> SurgeSwayYaw:
     """Sway force (N)."""
-    return 0.0, wave(x, s, c, W), 0.0
+    return 0.0, sinusoidal_force_profile(x, s, c, W), 0.0
 
 
-def yaw_along_x(x: float, s: float, c: float, W: float) -> Force:
+def yaw_along_x(x: float, s: float, c: float, W: float) -> SurgeSwayYaw:
     """Yaw moment (N m)."""
-    return 0.0, 0.0, wave(x, s, c, W)
+    return 0.0, 0.0, sinusoidal_force_profile(x, s, c, W)
 
 
-def surge_along_y(y: float, s: float, c: float, W: float) -> Force:
+def surge_along_y(y: float, s: float, c: float, W: float) -> SurgeSwayYaw:
     """Surge force (N)."""
-    return wave(y, s, c, W), 0.0, 0.0
+    return sinusoidal_force_profile(y, s, c, W), 0.0, 0.0
 
 
-def sway_along_y(y: float, s: float, c: float, W: float) -> Force:
+def sway_along_y(y: float, s: float, c: float, W: float) -> SurgeSwayYaw:
     """Sway force (N)."""
-    return 0.0, wave(y, s, c, W), 0.0
+    return 0.0, sinusoidal_force_profile(y, s, c, W), 0.0
 
 
-def yaw_along_y(y: float, s: float, c: float, W: float) -> Force:
+def yaw_along_y(y: float, s: float, c: float, W: float) -> SurgeSwayYaw:
     """Yaw moment (N m)."""
-    return 0.0, 0.0, wave(y, s, c, W)
+    return 0.0, 0.0, sinusoidal_force_profile(y, s, c, W)
 
 
-def surge_with_heading(psi: float, phi: float, s: float, c: float, W: float, q: float) -> Force:
+def surge_with_heading(
+    psi: float, phi: float, s: float, c: float, W: float, q: float
+) -> SurgeSwayYaw:
     """Surge force (N)."""
-    return wave(psi - q * phi, s, c, W), 0.0, 0.0
+    return sinusoidal_force_profile(psi - q * phi, s, c, W), 0.0, 0.0
 
 
-def sway_with_heading(psi: float, phi: float, s: float, c: float, W: float, q: float) -> Force:
+def sway_with_heading(
+    psi: float, phi: float, s: float, c: float, W: float, q: float
+) -> SurgeSwayYaw:
     """Sway force (N)."""
-    return 0.0, wave(psi - q * phi, s, c, W), 0.0
+    return 0.0, sinusoidal_force_profile(psi - q * phi, s, c, W), 0.0
 
 
-def yaw_with_heading(psi: float, phi: float, s: float, c: float, W: float, q: float) -> Force:
+def yaw_with_heading(
+    psi: float, phi: float, s: float, c: float, W: float, q: float
+) -> SurgeSwayYaw:
     """Yaw moment (N m)."""
-    return 0.0, 0.0, wave(psi - q * phi, s, c, W)
+    return 0.0, 0.0, sinusoidal_force_profile(psi - q * phi, s, c, W)
 
 
-WAVES = {
+PERIODIC_TERM_DEFINITIONS = {
     "with_time": ("time", "rad/s", TRIED_RATES_RAD_S),
     "along_x": ("place", "rad/m", TRIED_WAVE_NUMBERS_PER_M),
     "along_y": ("place", "rad/m", TRIED_WAVE_NUMBERS_PER_M),
     "with_heading": ("heading", "1", 2 * TRIED_HARMONICS),
 }
 """Ending of a term's name -> the variable of its force, unit of W, and values tried."""
-TRIED_HEADINGS = len(TRIED_HARMONICS) * (0.0,) + len(TRIED_HARMONICS) * (1.0,)
+TRIED_HEADING_SOURCES = len(TRIED_HARMONICS) * (0.0,) + len(TRIED_HARMONICS) * (1.0,)
 """The harmonics are tried with the heading of the core (0), then with that of the head (1)."""
-OF_HEAD = Parameter("of_head", "1", 0.0, 0.0, 1.0, "heading of the core (0) or of the head (1)",
-                    tries=TRIED_HEADINGS, symbol="q")  # fmt: skip
+HEADING_SOURCE_PARAMETER = Parameter(
+    "of_head",
+    "1",
+    0.0,
+    0.0,
+    1.0,
+    "heading of the core (0) or of the head (1)",
+    tries=TRIED_HEADING_SOURCES,
+    symbol="q",
+)
 
 
-def _residual_effect(force: Callable[..., Force]) -> Effect:
+def _residual_effect(force: Callable[..., SurgeSwayYaw]) -> Effect:
     channel, ending = force.__name__.split("_", maxsplit=1)
-    variable, rate_unit, tries = WAVES[ending]
+    variable, rate_unit, tries = PERIODIC_TERM_DEFINITIONS[ending]
     unit, size = ("N m", 0.001) if channel == "yaw" else ("N", 0.01)
     return Effect(
         name=force.__name__,
-        kind=KIND,
+        kind=EFFECT_KIND,
         statement=f"A {channel} force rises and falls {ending.replace('_', ' ')}.",
         parameters=(
             Parameter("sine_amplitude", unit, size, -1.0, 1.0, "s above", symbol="s"),
             Parameter("cosine_amplitude", unit, size, -1.0, 1.0, "c above", symbol="c"),
             Parameter("wave_number", rate_unit, tries[len(tries) // 2], 0.8 * tries[0],
                       1.2 * tries[-1], "frequency or wave number", tries=tries, symbol="W"),
-            *((OF_HEAD,) if variable == "heading" else ()),
+            *((HEADING_SOURCE_PARAMETER,) if variable == "heading" else ()),
         ),
         hooks={"force": force},
         module=__name__,
@@ -127,7 +141,7 @@ def _residual_effect(force: Callable[..., Force]) -> Effect:
     )  # fmt: skip
 
 
-EFFECTS = tuple(
+RESIDUAL_FORCE_EFFECTS = tuple(
     _residual_effect(force)
     for force in (
         surge_with_time, sway_with_time, yaw_with_time, surge_along_x, sway_along_x, yaw_along_x,

@@ -11,7 +11,7 @@ from ..integrate import Effect, Parameter, Stage, System, effect_from_module
 from ..observation import tracking_error
 from . import disturbance, equations, near_speed, periodic, residual
 
-COEFFICIENTS = (
+HYDRODYNAMIC_COEFFICIENTS = (
     Parameter("C_T", "m2", 4.5e-3, 1e-5, 0.2, "thrust over 1/2 rho A f^2"),
     Parameter("C_D0", "1", 0.5, 1e-3, 20.0, "profile drag"),
     Parameter("C_Da", "1", 2.0, -1.0, 40.0, "drag that comes with the angle of attack"),
@@ -22,29 +22,33 @@ COEFFICIENTS = (
 """Coefficients of the published model with unit, start value, bounds and meaning."""
 
 DYNAMICS = (
-    Stage("drive", ("phi", "f"), equations.drive, open=True),
-    Stage("water", ("wx", "wy", "wr", "wd"), None, open=True),
-    Stage("head", ("cphi", "sphi"), equations.head),
-    Stage("flow", ("cpsi", "spsi", "uc", "vc", "rc", "rd", "uh", "vh", "V"), equations.flow),
+    Stage("actuation_inputs", ("phi", "f"), equations.actuation_inputs, open=True),
+    Stage("ambient_flow", ("wx", "wy", "wr", "wd"), None, open=True),
+    Stage("head", ("cphi", "sphi"), equations.head_angle_cos_sin),
+    Stage(
+        "flow",
+        ("cpsi", "spsi", "uc", "vc", "rc", "rd", "uh", "vh", "V"),
+        equations.relative_flow_velocities,
+    ),
     Stage("thrust", ("T",), equations.thrust, open=True),
-    Stage("plate", ("Xh", "Yh"), equations.plate, open=True),
+    Stage("head_plate_force", ("Xh", "Yh"), equations.head_plate_force, open=True),
     Stage("force", ("X", "Y", "N"), equations.force, open=True),
     Stage("inertia", ("mx", "my", "J"), equations.inertia, open=True),
-    Stage("mobility", ("bx", "by", "bJ"), equations.mobility),
+    Stage("mobility", ("bx", "by", "bJ"), equations.inverse_inertias),
     Stage("core_turn_rate", ("core_turn_rate",), equations.core_turn_rate, open=True),
-    Stage("rates", ("x", "y", "psi", "u", "v", "r"), equations.rates),
+    Stage("rates", ("x", "y", "psi", "u", "v", "r"), equations.rigid_body_state_derivatives),
 )
 """Equations of motion, in order."""
-STAGES = (observation.CLOCK, *DYNAMICS, observation.OBSERVE)
+MODEL_EQUATION_STAGES = (observation.CLOCK_STAGE, *DYNAMICS, observation.OBSERVATION_STAGE)
 
-STATES = ("x", "y", "psi", "u", "v", "r")
+ROBOT_STATE_NAMES = ("x", "y", "psi", "u", "v", "r")
 """States: position in the pool, heading of the core, surge, sway, yaw rate."""
-CONSTANTS = (
+DYNAMICS_CONSTANT_NAMES = (
     "rho", "A", "A_ref", "l", "m", "I", "h", "span", "length", "x_hinge", "x_tail",
     "l_tail", "L_pool", "W_pool", "psi0", "t_start",
 )  # fmt: skip
 """Constants of the equations of motion; those of the observation model follow them."""
-INPUTS = ("head_angle", "flap_hz")
+CONTROL_INPUT_NAMES = ("head_angle", "flap_hz")
 """Inputs: head angle and flapping frequency."""
 
 
@@ -62,8 +66,8 @@ def all_effects() -> tuple[Effect, ...]:
         for package in (effects, measurement)
         for name in effect_names(package)
     ]
-    found = tuple(effect_from_module(module, STAGES) for module in modules)
-    return (*found, *near_speed.EFFECTS, *periodic.EFFECTS)
+    found = tuple(effect_from_module(module, MODEL_EQUATION_STAGES) for module in modules)
+    return (*found, *near_speed.RESIDUAL_FORCE_EFFECTS, *periodic.RESIDUAL_FORCE_EFFECTS)
 
 
 def is_residual(label: str) -> bool:
@@ -73,19 +77,19 @@ def is_residual(label: str) -> bool:
 
 @lru_cache(maxsize=1)
 def _residual_effect_names() -> frozenset[str]:
-    return frozenset(effect.name for effect in all_effects() if effect.kind == residual.KIND)
+    return frozenset(effect.name for effect in all_effects() if effect.kind == residual.EFFECT_KIND)
 
 
 @lru_cache(maxsize=1)
-def plates() -> System:
+def two_plate_system() -> System:
     """The paper's model with every effect that may extend it."""
     return System(
         name="plates",
-        states=STATES,
-        constants=(*CONSTANTS, *observation.constant_names()),
-        inputs=INPUTS,
-        coefficients=COEFFICIENTS,
-        stages=STAGES,
-        observations=observation.OBSERVATIONS,
+        states=ROBOT_STATE_NAMES,
+        constants=(*DYNAMICS_CONSTANT_NAMES, *observation.constant_names()),
+        inputs=CONTROL_INPUT_NAMES,
+        coefficients=HYDRODYNAMIC_COEFFICIENTS,
+        stages=MODEL_EQUATION_STAGES,
+        observations=observation.OBSERVED_QUANTITIES,
         effects=all_effects(),
     )

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-UNIT_READING = (
+PUBLISHED_UNITS_NOTE = (
     "C_T read as 1e-3 m2 and C_Md as 1e-3 kg m2: as printed, straight speeds would be 9 to 18 m/s"
 )
 """How the units of Table I are read, as a sentence."""
 
-FLAP_HZ = {50: 2.37, 75: 4.02, 100: 5.82}
+PUBLISHED_FLAP_HZ = {50: 2.37, 75: 4.02, 100: 5.82}
 """Flapping frequency by motor power, % (Table I)."""
 
 TABLE_1: dict[int, dict[str, float]] = {

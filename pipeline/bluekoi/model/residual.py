@@ -19,10 +19,10 @@ from __future__ import annotations
 from ..integrate.branchless import exponential
 from ..integrate.system import Parameter
 
-KIND = "residual"
-CHANNELS = ("surge", "sway", "yaw")
-STATEMENT = "A force that none of the named causes explains."
-TERMS = {
+EFFECT_KIND = "residual"
+AFFECTED_CHANNELS = ("surge", "sway", "yaw")
+EFFECT_DESCRIPTION = "A force that none of the named causes explains."
+RESIDUAL_TERMS_BY_NAME = {
     "surge_u": ("N s/m", "speed"),
     "surge_u3": ("N s3/m3", "speed"),
     "surge_fu": ("N s2/m", "speed"),
@@ -73,22 +73,22 @@ TERMS = {
     "yaw_y": ("N", "place"),
 }
 """Term -> unit of its strength, and the variable that its force depends on."""
-STATE_VARIABLES = frozenset({"speed", "beat", "drift", "turn", "angle of attack", "head angle"})
+MOTION_VARIABLES = frozenset({"speed", "beat", "drift", "turn", "angle of attack", "head angle"})
 """Variables that follow from the robot's motion and drive; the others are of time and place."""
-PARAMETERS = tuple(
+EFFECT_PARAMETERS = tuple(
     Parameter(name, unit, 0.01, -50.0, 50.0, f"residual force that depends on the {variable}")
-    for name, (unit, variable) in TERMS.items()
+    for name, (unit, variable) in RESIDUAL_TERMS_BY_NAME.items()
 )
-STRENGTH_COUNT = len(PARAMETERS)
+STRENGTH_PARAMETER_COUNT = len(EFFECT_PARAMETERS)
 
 
 def channels_and_variables() -> dict[str, frozenset[tuple[str, str]]]:
     """Term, as `residual.term` -> pairs of channel and variable of its force."""
-    return {f"residual.{name}": frozenset((c, variable) for c in channels(name))
-            for name, (_, variable) in TERMS.items()}  # fmt: skip
+    return {f"residual.{name}": frozenset((c, variable) for c in channels_of_residual_term(name))
+            for name, (_, variable) in RESIDUAL_TERMS_BY_NAME.items()}  # fmt: skip
 
 
-def channels(term: str) -> tuple[str, ...]:
+def channels_of_residual_term(term: str) -> tuple[str, ...]:
     """Channels in which a term acts."""
     channel = term.split("_", maxsplit=1)[0]
     return ("surge", "sway") if channel == "pool" else (channel,)
@@ -112,7 +112,8 @@ def force(
 
     Motion: t, f, x, y, uc and vc (surge and sway velocity of the centre of mass, m/s), r, uh and vh
     (velocity of the head), V, sphi, cpsi, spsi. surge_*, sway_*, yaw_*, pool_*: the strengths of
-    the terms that they name, units in `TERMS`; sway_v is the sway force per sway velocity.
+    the terms that they name, units in `RESIDUAL_TERMS_BY_NAME`; sway_v is the sway force per sway
+    velocity.
     """
     jet, wave = f * f * sphi, -4.0 * uh * vh * (uh * uh - vh * vh) / (V * V)
     q12, q13, q14 = (f - 2.5) / 0.6, (f - 3.5) / 0.6, (f - 4.5) / 0.6

@@ -9,11 +9,11 @@ from typing import Protocol
 import numpy as np
 
 from ..data import Float
-from ..integrate import LANES, compiled
-from ..integrate.batch import MAX_STEP_S, in_lanes, propagate
-from ..observation import View
+from ..integrate import LANES, compile_system
+from ..integrate.batch import MAX_STEP_S, in_lanes, simulate_batch
+from ..observation import CameraErrorInputs
 from ..study import Pool, Robot, Water
-from .plates import CONSTANTS, plates
+from .plates import DYNAMICS_CONSTANT_NAMES, two_plate_system
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class Simulation:
         return np.hypot(self.state[:, 3], self.state[:, 4])
 
 
-class Tank(Protocol):
-    """What a swim depends on: robot, pool and water. A study's `Setup` is one."""
+class RobotAndPool(Protocol):
+    """What a swim depends on: robot, pool and water. The `StudySettings` of a study is one."""
 
     @property
     def robot(self) -> Robot:
@@ -52,11 +52,11 @@ class Tank(Protocol):
         """Properties of the water."""
 
 
-def constants(
-    setup: Tank, head_length_m: float, *, heading_rad: float = 0.0, start_s: float = 0.0,
-    view: View | None = None,
+def constants_of_robot_trial(
+    setup: RobotAndPool, head_length_m: float, *, heading_rad: float = 0.0, start_s: float = 0.0,
+    view: CameraErrorInputs | None = None,
 ) -> Float:  # fmt: skip
-    """Constants of one trial in the order of `plates().constants`, (constants,).
+    """Constants of one trial in the order of `two_plate_system().constants`, (constants,).
 
     heading_rad: at the start. start_s: when the motor starts. view: how the trial is seen;
     without, no measurement errors.
@@ -80,15 +80,23 @@ def constants(
         "psi0": heading_rad,
         "t_start": start_s,
     }
-    return np.array([*(values[name] for name in CONSTANTS), *astuple(view or View())])
+    return np.array(
+        [*(values[name] for name in DYNAMICS_CONSTANT_NAMES), *astuple(view or CameraErrorInputs())]
+    )
 
 
 def simulate(
-    coefficients: Mapping[str, float], *, setup: Tank, head_length_m: float, head_angle_rad: float |
-    Float, flap_hz: float | Float, duration_s: float, dt_s: float = MAX_STEP_S,
+    coefficients: Mapping[str, float],
+    *,
+    setup: RobotAndPool,
+    head_length_m: float,
+    head_angle_rad: float | Float,
+    flap_hz: float | Float,
+    duration_s: float,
+    dt_s: float = MAX_STEP_S,
     start: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     effects: Mapping[str, Mapping[str, float]] | None = None,
-) -> Simulation:  # fmt: skip
+) -> Simulation:
     """Simulated path of the robot.
 
     - coefficients: name -> value of the six coefficients, as in `TABLE_1`;
@@ -113,10 +121,10 @@ def simulate(
         [np.broadcast_to(np.asarray(v, dtype=np.float64), n) for v in (head_angle_rad, flap_hz)]
     )
     return simulate_at(
-        plates().values(coefficients, effects),
+        two_plate_system().values(coefficients, effects),
         times,
         inputs,
-        constants(setup, head_length_m, heading_rad=start[2]),
+        constants_of_robot_trial(setup, head_length_m, heading_rad=start[2]),
         np.array(start, dtype=float),
     )
 
@@ -125,10 +133,10 @@ def simulate_at(
     values: Float, times: Float, inputs: Float, trial_constants: Float, start: Float
 ) -> Simulation:
     """Path at given times for a full parameter vector of the system; start: (6,) or all states."""
-    kernel = compiled(plates())
+    kernel = compile_system(two_plate_system())
     state = np.zeros((1, len(kernel.system.all_states), LANES))
     state[0, : len(start)] = start[:, None]
-    _, states = propagate(
+    _, states = simulate_batch(
         kernel,
         state,
         in_lanes(values[None]),
@@ -147,11 +155,16 @@ def _in_world_axes(times: Float, body: Float, head_angle: Float) -> Simulation:
     return Simulation(times, state, psi)
 
 
-def steady_turn(
-    coefficients: Mapping[str, float], *, setup: Tank, head_length_m: float, head_angle_rad: float,
-    flap_hz: float, effects: Mapping[str, Mapping[str, float]] | None = None, settle_s: float =
-    40.0,
-) -> tuple[float, float]:  # fmt: skip
+def steady_speed_and_radius(
+    coefficients: Mapping[str, float],
+    *,
+    setup: RobotAndPool,
+    head_length_m: float,
+    head_angle_rad: float,
+    flap_hz: float,
+    effects: Mapping[str, Mapping[str, float]] | None = None,
+    settle_s: float = 40.0,
+) -> tuple[float, float]:
     """Speed (m/s) and radius (m, positive; inf for a straight run) after all has settled."""
     run = simulate(
         coefficients,

@@ -38,7 +38,7 @@ def tail_angle(positions: Positions) -> Float:
     return np.where(sure, angle, np.nan)
 
 
-def slow_background(time_s: Float, reference_hz: float) -> Float:
+def slow_trend_basis(time_s: Float, reference_hz: float) -> Float:
     """Slow curve: low cosines (Chebyshev in time), (frames, terms)."""
     span = float(np.ptp(time_s))
     terms = int(np.clip(span * reference_hz / BACKGROUND_PERIOD_BEATS, 2, 12))

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import Flapping
+from ..data import FlappingFrequency
 
 CLOCK_AGREEMENT_SIGMAS = 3.0
 """Standard errors within which the tail's frequency agrees with the motor's."""
@@ -18,12 +18,16 @@ CLOCK_RATIO_TOLERANCE = 0.02
 """Trials agree on a ratio where theirs differ by less than this share."""
 
 
-def flapping_from_stated_frequency(flap_hz: float) -> Flapping:
+def flapping_from_stated_frequency(flap_hz: float) -> FlappingFrequency:
     """Flapping of a trial whose frequency is stated in trials.csv, taken as exact to 1 %."""
-    return Flapping(flap_hz=float(flap_hz), flap_hz_std=0.01 * float(flap_hz), source="flap_hz")
+    return FlappingFrequency(
+        flap_hz=float(flap_hz), flap_hz_std=0.01 * float(flap_hz), source="flap_hz"
+    )
 
 
-def flapping_compared_with_video(flapping: Flapping, ratio: float, std: float) -> Flapping:
+def flapping_compared_with_video(
+    flapping: FlappingFrequency, ratio: float, std: float
+) -> FlappingFrequency:
     """`flapping` with the ratio of tail-beat frequency in the video to the motor's.
 
     The clocks agree where the ratio is within three standard deviations of 1, or unknown (NaN).
@@ -54,7 +58,7 @@ def _clock_disagreement_remark(ratio: float, std: float) -> str:
     )
 
 
-def common_clock_ratio(flapping: Iterable[Flapping]) -> tuple[float, float] | None:
+def common_clock_ratio(flapping: Iterable[FlappingFrequency]) -> tuple[float, float] | None:
     """Ratio of video to motor frequency that most trials agree on, and its standard deviation.
 
     The median where more than half of the ratios known, two or more, lie within 2 % of it; else
@@ -68,7 +72,9 @@ def common_clock_ratio(flapping: Iterable[Flapping]) -> tuple[float, float] | No
     return float(alike.mean()), float(alike.std(ddof=1) / math.sqrt(len(alike)))
 
 
-def deviates_from_common_clock(flapping: Flapping, common: tuple[float, float] | None) -> bool:
+def deviates_from_common_clock(
+    flapping: FlappingFrequency, common: tuple[float, float] | None
+) -> bool:
     """Whether a trial's clock is neither right nor that of most others: its log or frame rate is
     another trial's.
     """

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from scipy.special import chdtri
 
-from ..data import Flapping, Float, read_columns
+from ..data import FlappingFrequency, Float, read_columns
 from ..data.keypoint_quality import correlation_time_samples
 from ..errors import input_error
-from .shaft_angle import Shaft, shaft_motion
+from .shaft_angle import ShaftMotion, shaft_motion
 from .spin_up import motor_start
 
 LOG_COLUMNS = ("time_s", "angle_deg")
@@ -30,7 +30,7 @@ MAX_FREQUENCY_STD_SHARE = 0.2
 """A log whose frequency is known no better than to this share shows no turning shaft."""
 
 
-def flapping_from_log(path: str | Path) -> Flapping:
+def flapping_from_log(path: str | Path) -> FlappingFrequency:
     """Flapping frequency of the constant part, with standard deviation and over time [Hz].
 
     phi = phi0 + 2 pi f t + A exp(-t / tau) + reading error of the shaft's own harmonics, by least
@@ -66,7 +66,7 @@ def flapping_from_log(path: str | Path) -> Flapping:
         )
     notes = (*remarks, *_shaft_remarks(fit, shaft))
     begin = motor_start(shaft, last, float(np.sign(fit.hz)))
-    return Flapping(
+    return FlappingFrequency(
         flap_hz=abs(fit.hz),
         flap_hz_std=fit.hz_std,
         source="motor_log",
@@ -81,7 +81,9 @@ def flapping_from_log(path: str | Path) -> Flapping:
     )
 
 
-def log_coverage(path: str | Path, flapping: Flapping, recording_s: tuple[float, float]) -> float:
+def motor_log_coverage(
+    path: str | Path, flapping: FlappingFrequency, recording_s: tuple[float, float]
+) -> float:
     """Share of a recording, from begin to end in seconds, during which its motor was logged.
 
     Raises: InputError where the log is of another time.
@@ -175,7 +177,7 @@ def _longest_stretch_without_gap(time_s: Float) -> np.ndarray:
     return np.asarray(part == int(np.argmax(spans)))
 
 
-def _running_interval_s(shaft: Shaft) -> tuple[float, float]:
+def _running_interval_s(shaft: ShaftMotion) -> tuple[float, float]:
     """First and last time at which the motor runs, spin-up included, spin-down left out."""
     rate = np.abs(shaft.hz)
     top = float(np.median(rate[rate > 0.5 * np.quantile(rate, 0.9)]))
@@ -236,7 +238,7 @@ def _regress_phase(
     return value, total, std, inflation, tau_s
 
 
-def _shaft_remarks(fit: _PhaseFit, shaft: Shaft) -> list[str]:
+def _shaft_remarks(fit: _PhaseFit, shaft: ShaftMotion) -> list[str]:
     notes = [f"dead zone of the shaft sensor {np.degrees(shaft.dead_zone_rad):.0f} degrees"]
     if fit.tau_s > 0:
         notes.append(f"the motor spins up with a time constant of {fit.tau_s:.2f} s")

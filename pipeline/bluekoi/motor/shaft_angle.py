@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicHermiteSpline
 
-from ..data import Float, Mask
+from ..data import BoolNDArray, Float
 
 MIN_READINGS_PER_WINDOW = 5
 """The line of a window takes so many readings."""
@@ -22,7 +22,7 @@ SHAFT_BINS_PER_TURN = 72
 
 
 @dataclass(frozen=True)
-class Shaft:
+class ShaftMotion:
     """Unwrapped motion of a shaft.
 
     time_s, phase_rad, good: (samples,): unwrapped phase read, and which readings are sound (not
@@ -32,7 +32,7 @@ class Shaft:
 
     time_s: Float
     phase_rad: Float
-    good: Mask
+    good: BoolNDArray
     center_s: Float
     hz: Float
     dead_zone_rad: float
@@ -43,7 +43,7 @@ def wrap_angle(angle_rad: Float) -> Float:
     return (angle_rad + np.pi) % (2 * np.pi) - np.pi
 
 
-def shaft_motion(time_s: Float, angle_rad: Float) -> Shaft:
+def shaft_motion(time_s: Float, angle_rad: Float) -> ShaftMotion:
     """Unwrapped phase, rate over time and dead zone from wrapped readings, both (samples,)."""
     center, rate, phase = _fit_windows(time_s, angle_rad, 0.25)
     turning = np.abs(rate[np.abs(rate) > 0.25])
@@ -58,7 +58,7 @@ def shaft_motion(time_s: Float, angle_rad: Float) -> Shaft:
     width = 2 * np.pi * float(dead.mean())
     unwrapped = guess + residual
     hz = _window_rates_hz(time_s[good], unwrapped[good], center, rate)
-    return Shaft(time_s, unwrapped, good, center, hz, width)
+    return ShaftMotion(time_s, unwrapped, good, center, hz, width)
 
 
 def _window_rates_hz(time_s: Float, phase_rad: Float, center_s: Float, rate_hz: Float) -> Float:
@@ -135,7 +135,7 @@ def _shaft_bin(phase_rad: Float) -> npt.NDArray[np.int64]:
     ).astype(np.int64)
 
 
-def _dead_zone_bins(phase_rad: Float, sound: Mask) -> Mask:
+def _dead_zone_bins(phase_rad: Float, sound: BoolNDArray) -> BoolNDArray:
     """Bins (SHAFT_BINS_PER_TURN,) of the shaft's circle in which most readings are wrong."""
     seen = np.bincount(_shaft_bin(phase_rad), minlength=SHAFT_BINS_PER_TURN)
     right = np.bincount(

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from ..data import Float
-from .shaft_angle import Shaft
+from .shaft_angle import ShaftMotion
 
 FIRST_MOTION_DEG = 2.0
 """A shaft that has turned by this (or by five deviations of its readings) has started."""
@@ -41,7 +41,7 @@ class MotorStart:
     drift_per_s: float
 
 
-def motor_start(shaft: Shaft, last_s: float, direction: float) -> MotorStart:
+def motor_start(shaft: ShaftMotion, last_s: float, direction: float) -> MotorStart:
     """`MotorStart` from a shaft's motion up to `last_s`; direction: sign of its turning."""
     time, turns = shaft.time_s, _unwrapped_turns(shaft, direction)
     threshold = max(FIRST_MOTION_DEG / 360.0, 5.0 * _reading_noise_turns(turns))
@@ -70,10 +70,10 @@ def spin_up_end_s(start_s: float, last_s: float) -> float:
     return start_s + min(MAX_SPIN_UP_S, MAX_SPIN_UP_SHARE_OF_LOG * (last_s - start_s))
 
 
-def _unwrapped_turns(shaft: Shaft, direction: float) -> Float:
+def _unwrapped_turns(shaft: ShaftMotion, direction: float) -> Float:
     """Turns of the shaft (samples,), joined from reading to reading: the motion by windows of a
-    turn (`Shaft.phase_rad`) may miss one where the shaft starts abruptly. Single wrong readings
-    are replaced by their neighbours' median.
+    turn (`ShaftMotion.phase_rad`) may miss one where the shaft starts abruptly. Single wrong
+    readings are replaced by their neighbours' median.
     """
     step = float(np.median(np.diff(shaft.time_s)))
     hz = float(np.quantile(np.abs(shaft.hz), 0.9))

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Flapping, Positions, Steady
+from ..data import FlappingFrequency, Positions, SteadyState
 from ..study import Robot
 from .clock_comparison import CLOCK_RATIO_TOLERANCE
 from .motor_log import MIN_LOGGED_SHARE
@@ -44,7 +44,7 @@ CHECK_LENGTHS_REMEDY = (
 
 
 def swimming_numbers(
-    steady: Steady, flapping: Flapping, positions: Positions, robot: Robot
+    steady: SteadyState, flapping: FlappingFrequency, positions: Positions, robot: Robot
 ) -> dict[str, float]:
     """Dimensionless numbers of one trial, as in `PLAUSIBLE_RANGES`; NaN where not known."""
     length, speed, hz = robot.body_length_m, steady.speed_m_s, flapping.flap_hz
@@ -59,7 +59,7 @@ def swimming_numbers(
     }
 
 
-def study_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def clock_and_length_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """A sentence for each doubt about clocks or lengths, with the trials that give rise to it.
 
     statuses: content of status/ID.json by trial id.

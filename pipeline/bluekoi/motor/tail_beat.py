@@ -11,14 +11,14 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ..data import Flapping, Float, Pose, Positions
+from ..data import FlappingFrequency, Float, Pose, Positions
 from ..data.keypoint_quality import correlation_time_samples
 from .beat_regression import (
     TAIL_PARTS,
     beat_signal,
     misfit_spectrum,
     robust_weights,
-    slow_background,
+    slow_trend_basis,
     tail_angle,
 )
 
@@ -42,7 +42,10 @@ MAX_BEAT_LAG_STD_RAD = 0.5
 
 
 def tail_beat_from_video(
-    source: Positions | Pose, guess_hz: float = float("nan"), *, flapping: Flapping | None = None
+    source: Positions | Pose,
+    guess_hz: float = float("nan"),
+    *,
+    flapping: FlappingFrequency | None = None,
 ) -> tuple[float, float]:
     """Tail-beat frequency in the video and its standard deviation, Hz; NaN where it is not seen.
 
@@ -68,10 +71,10 @@ def tail_beat_from_video(
     low, high = near if guessed else (2 / span, 0.45 / step)
     reference = guess_hz if guessed else np.sqrt(low * high)
     warp = _time_even_in_motor_phase(time_s, flapping)
-    return _search_beat_frequency(warp, signal, (low, high), slow_background(time_s, reference))
+    return _search_beat_frequency(warp, signal, (low, high), slow_trend_basis(time_s, reference))
 
 
-def tail_beat_lag(source: Positions | Pose, flapping: Flapping) -> tuple[float, float]:
+def tail_beat_lag(source: Positions | Pose, flapping: FlappingFrequency) -> tuple[float, float]:
     """By how much the tail beat is behind the motor's shaft at the same time, and the standard
     deviation, rad; NaN where either is not seen.
 
@@ -87,7 +90,7 @@ def tail_beat_lag(source: Positions | Pose, flapping: Flapping) -> tuple[float, 
         return nothing
     phase = np.interp(time_s, flapping.time_s, flapping.phase_rad)
     waves = np.column_stack([np.cos(phase), np.sin(phase)])
-    design = np.column_stack([waves, slow_background(time_s, flapping.flap_hz)])
+    design = np.column_stack([waves, slow_trend_basis(time_s, flapping.flap_hz)])
     weights = np.ones_like(signal)
     for _ in range(4):
         root = np.sqrt(weights)[:, None]
@@ -101,7 +104,9 @@ def tail_beat_lag(source: Positions | Pose, flapping: Flapping) -> tuple[float, 
     return (float(np.arctan2(across, along)), std) if std < MAX_BEAT_LAG_STD_RAD else nothing
 
 
-def clock_ratio(source: Positions | Pose, flapping: Flapping) -> tuple[float, float]:
+def video_to_motor_frequency_ratio(
+    source: Positions | Pose, flapping: FlappingFrequency
+) -> tuple[float, float]:
     """Tail-beat frequency in the video over that of the motor, and its standard deviation.
 
     NaN where no tail beat is clear. A frame rate stated k times too high makes the ratio k. The
@@ -142,7 +147,7 @@ def _is_alias_of(beat_hz: float, seen_hz: float, step_s: float) -> bool:
     return abs(folded_hz - seen_hz) < ALIAS_TOLERANCE * beat_hz
 
 
-def _beat_amplitude_rad(source: Positions | Pose, hz: float, flapping: Flapping) -> float:
+def _beat_amplitude_rad(source: Positions | Pose, hz: float, flapping: FlappingFrequency) -> float:
     """Amplitude of the beat at this frequency, rad."""
     time_s, signal = beat_signal(source)
     design = _design_matrix(
@@ -182,7 +187,7 @@ def _search_beat_frequency(
     return _frequency_and_std(float(found.x), time_s, signal, background, weights)
 
 
-def _time_even_in_motor_phase(time_s: Float, flapping: Flapping | None) -> Float:
+def _time_even_in_motor_phase(time_s: Float, flapping: FlappingFrequency | None) -> Float:
     """Time that passes evenly in motor phase: integral of hz(t) / flap_hz."""
     if flapping is None or len(flapping.hz) < 3:
         return time_s

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..data import Float, Positions
 from ..data.keypoint_quality import correlation_time_samples
-from .beat_regression import beat_signal, robust_weights, slow_background
+from .beat_regression import beat_signal, robust_weights, slow_trend_basis
 from .spin_up import spin_up_end_s
 
 MAX_DRIFT_PER_S = 0.05
@@ -56,7 +56,7 @@ def tail_beat_drift(positions: Positions, beat_hz: float) -> tuple[float, float]
     t = t - 0.5 * (t[0] + t[-1]) if len(t) else t
     if len(t) < MIN_DRIFT_FRAMES or beat_hz * float(np.median(np.diff(t))) > 0.5:
         return NO_DRIFT
-    background = slow_background(t, beat_hz)
+    background = slow_trend_basis(t, beat_hz)
     start, tried = _coarse_optimum(t, signal, background, beat_hz)
     return _regression(t, signal, background, start, tried)
 

@@ -8,16 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Flapping, Positions
+from ..data import FlappingFrequency, Positions
 from ..errors import input_error
 from ..study import Study, Trial
 from .clock_comparison import flapping_compared_with_video, flapping_from_stated_frequency
-from .motor_log import MIN_LOGGED_SHARE, flapping_from_log, log_coverage
-from .tail_beat import MAX_BEAT_STD_SHARE, clock_ratio, tail_beat_from_video, tail_beat_lag
+from .motor_log import MIN_LOGGED_SHARE, flapping_from_log, motor_log_coverage
+from .tail_beat import (
+    MAX_BEAT_STD_SHARE,
+    tail_beat_from_video,
+    tail_beat_lag,
+    video_to_motor_frequency_ratio,
+)
 from .tail_beat_drift import tail_beat_drift
 
 
-def trial_flapping(study: Study, trial: Trial, positions: Positions) -> Flapping:
+def trial_flapping(study: Study, trial: Trial, positions: Positions) -> FlappingFrequency:
     """Flapping frequency by motor log, else as given, else from the tail in the video.
 
     Raises: InputError where none of the three gives it.
@@ -31,7 +36,9 @@ def trial_flapping(study: Study, trial: Trial, positions: Positions) -> Flapping
         return _flapping_from_video(study, trial, positions)
     if flapping.flap_hz <= 0:
         return _with_beat_of_stopped_motor(flapping, positions)
-    found = flapping_compared_with_video(flapping, *clock_ratio(positions, flapping))
+    found = flapping_compared_with_video(
+        flapping, *video_to_motor_frequency_ratio(positions, flapping)
+    )
     if not np.isfinite(found.video_hz):
         return found
     if log is None:
@@ -40,13 +47,15 @@ def trial_flapping(study: Study, trial: Trial, positions: Positions) -> Flapping
     return replace(found, beat_lag_rad=lag, beat_lag_std_rad=std)
 
 
-def _with_drift_in_video(flapping: Flapping, positions: Positions) -> Flapping:
+def _with_drift_in_video(flapping: FlappingFrequency, positions: Positions) -> FlappingFrequency:
     """Flapping without a motor log, with the drift of the tail beat that the video shows."""
     drift, std = tail_beat_drift(positions, flapping.video_hz)
     return replace(flapping, drift_per_s=drift, drift_std_per_s=std)
 
 
-def _with_beat_of_stopped_motor(flapping: Flapping, positions: Positions) -> Flapping:
+def _with_beat_of_stopped_motor(
+    flapping: FlappingFrequency, positions: Positions
+) -> FlappingFrequency:
     """A frequency of 0, which a clear tail beat contradicts."""
     hz, std = tail_beat_from_video(positions)
     if not std < MAX_BEAT_STD_SHARE * hz:
@@ -58,8 +67,10 @@ def _with_beat_of_stopped_motor(flapping: Flapping, positions: Positions) -> Fla
     return replace(flapping, video_hz=hz, video_hz_std=std, agrees=False, remarks=(remark,))
 
 
-def _with_coverage_remark(log: Path, flapping: Flapping, positions: Positions) -> Flapping:
-    share = log_coverage(log, flapping, (positions.time_s[0], positions.time_s[-1]))
+def _with_coverage_remark(
+    log: Path, flapping: FlappingFrequency, positions: Positions
+) -> FlappingFrequency:
+    share = motor_log_coverage(log, flapping, (positions.time_s[0], positions.time_s[-1]))
     if share >= MIN_LOGGED_SHARE:
         return flapping
     remark = (
@@ -68,7 +79,7 @@ def _with_coverage_remark(log: Path, flapping: Flapping, positions: Positions) -
     return replace(flapping, remarks=(*flapping.remarks, remark))
 
 
-def _flapping_from_video(study: Study, trial: Trial, positions: Positions) -> Flapping:
+def _flapping_from_video(study: Study, trial: Trial, positions: Positions) -> FlappingFrequency:
     hz, std = tail_beat_from_video(positions)
     if not hz > 0:
         raise input_error(
@@ -79,12 +90,12 @@ def _flapping_from_video(study: Study, trial: Trial, positions: Positions) -> Fl
             "Give motor_log or flap_hz.",
         )
     remark = "no motor log and no flap_hz: flapping frequency taken from the tail in the video"
-    seen = Flapping(hz, std, "video", video_hz=hz, video_hz_std=std, remarks=(remark,))
+    seen = FlappingFrequency(hz, std, "video", video_hz=hz, video_hz_std=std, remarks=(remark,))
     return _with_drift_in_video(seen, positions)
 
 
-def flapping_record(flapping: Flapping) -> dict[str, Any]:
-    """What status/ID.json says of the flapping frequency, by the names of `Flapping`."""
+def flapping_record(flapping: FlappingFrequency) -> dict[str, Any]:
+    """What status/ID.json says of the flapping frequency, by the names of `FlappingFrequency`."""
     names = ("flap_hz", "flap_hz_std", "source", "video_hz", "video_hz_std", "ratio", "ratio_std",
              "beat_lag_rad", "beat_lag_std_rad", "start_s", "lost_time_s", "drift_per_s",
              "drift_std_per_s", "agrees")  # fmt: skip

@@ -7,5 +7,5 @@ tracking_error  random errors of tracking, present in every filter
 Candidate measurement errors add to these stages: one file each in `measurement/`.
 """
 
-from .equations import CLOCK, OBSERVATIONS, OBSERVE
-from .view import View, constant_names, view_of
+from .equations import CLOCK_STAGE, OBSERVATION_STAGE, OBSERVED_QUANTITIES
+from .view import CameraErrorInputs, camera_error_inputs, constant_names

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from ..integrate import Stage
 
-OBSERVATIONS = ("x", "y", "heading", "head_angle")
+OBSERVED_QUANTITIES = ("x", "y", "heading", "head_angle")
 """What the camera observes: place, heading of the core, head angle."""
 
 
-def clock() -> tuple[float]:
+def true_time_rate() -> tuple[float]:
     """Rate of true time against the recording's time."""
     return (1.0,)
 
@@ -18,5 +18,5 @@ def observe(x: float, y: float, psi: float, phi: float) -> tuple[float, float, f
     return x, y, psi, phi
 
 
-CLOCK = Stage("clock", ("clock_rate",), clock, open=True)
-OBSERVE = Stage("observe", OBSERVATIONS, observe, open=True)
+CLOCK_STAGE = Stage("true_time_rate", ("clock_rate",), true_time_rate, open=True)
+OBSERVATION_STAGE = Stage("observe", OBSERVED_QUANTITIES, observe, open=True)

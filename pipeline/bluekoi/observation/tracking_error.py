@@ -13,15 +13,15 @@ from __future__ import annotations
 from ..integrate.branchless import sin_cos
 from ..integrate.system import Parameter
 
-KIND = "disturbance"
-STATEMENT = "Tracked points err for several frames on end."
-PARAMETERS = (
+EFFECT_KIND = "disturbance"
+EFFECT_DESCRIPTION = "Tracked points err for several frames on end."
+EFFECT_PARAMETERS = (
     Parameter("present", "1", 1.0, 0.0, 1.0, "1 where the errors are added"),
     Parameter("tau_along", "s", 0.2, 0.05, 1.0, "time within which an error along is forgotten"),
     Parameter("tau_across", "s", 0.2, 0.05, 1.0, "time within which one across is forgotten"),
     Parameter("tau_heading", "s", 0.2, 0.05, 1.0, "time within which one of the heading is"),
 )
-STATES = ("e_along", "e_across", "e_heading")
+EFFECT_STATE_NAMES = ("e_along", "e_across", "e_heading")
 
 
 def observe(
@@ -32,7 +32,7 @@ def observe(
     return e_along * c - e_across * s, e_along * s + e_across * c, e_heading, 0.0
 
 
-def own_rates(
+def effect_state_derivatives(
     e_along: float, e_across: float, e_heading: float, tau_along: float, tau_across: float,
     tau_heading: float,
 ) -> tuple[float, float, float]:  # fmt: skip

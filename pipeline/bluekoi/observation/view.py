@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 from ..camera.error_displacement import camera_error_constants
-from ..study import Setup
+from ..study import StudySettings
 
 TIME_OF_NO_CAMERA_SHIFT_S = 1e9
 """Time of a displacement of the camera that never comes, s."""
 
 
 @dataclass(frozen=True)
-class View:
+class CameraErrorInputs:
     """How one trial is seen; the defaults are an error-free view without a camera.
 
     x_cam, y_cam: point of the pool below the camera (m). bend: growth of the displacement by
@@ -40,10 +40,12 @@ class View:
 
 def constant_names() -> tuple[str, ...]:
     """Names of the constants of a view, in order."""
-    return tuple(field.name for field in fields(View))
+    return tuple(field.name for field in fields(CameraErrorInputs))
 
 
-def view_of(setup: Setup) -> View:
+def camera_error_inputs(setup: StudySettings) -> CameraErrorInputs:
     """The view of a study's camera."""
     seen = camera_error_constants(setup)
-    return View(*seen.below_m, seen.bend_1_m2, *seen.lens_m, seen.lens_rest_m2, *seen.lens_pull_m3)
+    return CameraErrorInputs(
+        *seen.below_m, seen.bend_1_m2, *seen.lens_m, seen.lens_rest_m2, *seen.lens_pull_m3
+    )

@@ -14,8 +14,14 @@ import numpy as np
 from ..data import Float, Pose, Positions, has_excess_variance
 from ..errors import input_error
 from ..study import Robot
-from .body import RIGID_PARTS, Body, body_lengths, trusted_points
-from .fit import PoseFit, systematic_offsets, usable_frames, with_noise, without_outliers
+from .body import RIGID_PARTS, RigidLengths, measured_rigid_lengths, trusted_points
+from .fit import (
+    PoseFit,
+    covariance_with_estimated_noise,
+    robust_pose_fit,
+    systematic_offsets,
+    usable_frames,
+)
 
 LENGTH_TOLERANCE = 0.02
 """Relative error of a rigid length above which the pose carries a remark."""
@@ -30,7 +36,7 @@ MAX_DIRECTION_STD_RAD = 0.5
 exchanged labels, with a std of 4 rad, wound the heading by a whole turn.
 """
 
-__all__ = ["Body", "body_lengths", "rigid_pose", "unwrapped"]
+__all__ = ["RigidLengths", "measured_rigid_lengths", "rigid_pose", "unwrapped_angles"]
 
 
 def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose:
@@ -51,11 +57,11 @@ def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose
     usable = usable_frames(np.isfinite(xy[:, :, 0]))
     if not np.any(usable):
         raise _no_usable_keypoints_error(positions, xy)
-    body = body_lengths(xy, np.zeros_like(cov), robot, head_length_m)
+    body = measured_rigid_lengths(xy, np.zeros_like(cov), robot, head_length_m)
     offset = systematic_offsets(xy, body)
-    cov = with_noise(xy, cov, replace(body, offset_m=offset))
-    body = replace(body_lengths(xy, cov, robot, head_length_m), offset_m=offset)
-    fit, dropped = without_outliers(xy, cov, body)
+    cov = covariance_with_estimated_noise(xy, cov, replace(body, offset_m=offset))
+    body = replace(measured_rigid_lengths(xy, cov, robot, head_length_m), offset_m=offset)
+    fit, dropped = robust_pose_fit(xy, cov, body)
     values, spread = _pose_from_fit(fit, positions.time_s)
     remarks = (
         *positions.remarks,
@@ -70,12 +76,12 @@ def _pose_from_fit(fit: PoseFit, time_s: Float) -> tuple[Float, Float]:
     change = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, -1]])
     values = fit.state @ change.T
     cov = change @ fit.cov @ change.T
-    values[:, 2] = unwrapped(values[:, 2], cov[:, 2, 2], time_s)
+    values[:, 2] = unwrapped_angles(values[:, 2], cov[:, 2, 2], time_s)
     values[:, 3] = _half_turn_at_most(values[:, 3])
     return values, cov
 
 
-def unwrapped(angle: Float, variance: Float, time_s: Float | None = None) -> Float:
+def unwrapped_angles(angle: Float, variance: Float, time_s: Float | None = None) -> Float:
     """Angles (frames,) [rad] without jumps of whole turns; NaN where not seen.
 
     Each is placed next to the mean direction of the frames around it, without single uncertain
@@ -132,7 +138,7 @@ def _in_short_runs(marked: np.ndarray, max_length: int = UNWRAP_WINDOW_FRAMES) -
     return out
 
 
-def _length_remarks(body: Body, robot: Robot, head_length_m: float) -> tuple[str, ...]:
+def _length_remarks(body: RigidLengths, robot: Robot, head_length_m: float) -> tuple[str, ...]:
     pairs = {
         "hinge to core_center": (body.hinge_m, robot.hinge_to_com_m),
         "core_center to tail_base": (body.tail_m, robot.com_to_tail_base_m),
@@ -146,7 +152,7 @@ def _length_remarks(body: Body, robot: Robot, head_length_m: float) -> tuple[str
     )
 
 
-def _offset_remarks(body: Body) -> tuple[str, ...]:
+def _offset_remarks(body: RigidLengths) -> tuple[str, ...]:
     """A remark on the point with the largest systematic offset."""
     off = np.linalg.norm(body.offset_m, axis=1)
     if not off.any():

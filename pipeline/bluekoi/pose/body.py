@@ -14,7 +14,7 @@ RIGID_PARTS = ("head_tip", "hinge", "core_center", "tail_base")
 
 
 @dataclass(frozen=True)
-class Body:
+class RigidLengths:
     """Distances of one trial, m: hinge and tail base from centre of mass, head tip from hinge.
 
     offset_m: (4, 2), systematic offset of each of RIGID_PARTS, along and to the left of the head
@@ -27,7 +27,9 @@ class Body:
     offset_m: Float = field(default_factory=lambda: np.zeros((len(RIGID_PARTS), 2)))
 
 
-def body_lengths(xy_m: Float, cov_m2: Float, robot: Robot, head_length_m: float) -> Body:
+def measured_rigid_lengths(
+    xy_m: Float, cov_m2: Float, robot: Robot, head_length_m: float
+) -> RigidLengths:
     """Median distances of one trial, the share that noise adds across the axis (s^2 / 2d) removed.
 
     xy_m: (frames, 4, 2) of RIGID_PARTS; cov_m2: (frames, 4, 2, 2). Where the centre of mass is
@@ -40,7 +42,7 @@ def body_lengths(xy_m: Float, cov_m2: Float, robot: Robot, head_length_m: float)
     known = (robot.hinge_to_com_m, robot.com_to_tail_base_m)
     seen = ((whole, sum(known)), (hinge, known[0]), (tail, known[1]), (head, head_length_m))
     scale = _first_finite(*(length / stated for length, stated in seen if stated > 0), 1)
-    return Body(
+    return RigidLengths(
         hinge_m=_first_finite(hinge, whole - tail, scale * known[0]),
         tail_m=_first_finite(tail, whole - hinge, scale * known[1]),
         head_m=_first_finite(head, scale * head_length_m),

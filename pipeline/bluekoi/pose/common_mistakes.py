@@ -12,7 +12,7 @@ from math import degrees, radians
 import numpy as np
 
 from ..data import Float
-from ..errors import Finding
+from ..errors import InputIssue
 from ..study import Study
 from .trial_comparison import (
     MIN_HEAD_ANGLE_DEVIATION_DEG,
@@ -30,7 +30,7 @@ CORE_REMEDY = "Is core_center the centre of mass, and does each keypoint bear it
 
 
 @dataclass(frozen=True)
-class LengthFinding(Finding):
+class LengthFinding(InputIssue):
     """A part of another length than stated; seen_m, stated_m: head, hinge and tail as in
     `PART_SOURCES`.
     """
@@ -41,7 +41,7 @@ class LengthFinding(Finding):
 
 
 @dataclass(frozen=True)
-class HeadAngleFinding(Finding):
+class HeadAngleFinding(InputIssue):
     """A head angle that is not the stated one."""
 
     trial_id: str = ""
@@ -49,7 +49,7 @@ class HeadAngleFinding(Finding):
     stated_deg: float = 0.0
 
 
-def merge_common_mistakes(study: Study, found: Sequence[Finding]) -> list[Finding]:
+def merge_common_mistakes(study: Study, found: Sequence[InputIssue]) -> list[InputIssue]:
     """The findings, those of a mistake that most trials show alike replaced by one."""
     return _with_one_angle_finding(study, _with_one_length_finding(study, found))
 
@@ -61,7 +61,7 @@ def seems_in_radians(seen_deg: float, stated_deg: float) -> bool:
     return abs(signed_turn_deg(seen_deg - degrees(stated_deg))) <= MIN_HEAD_ANGLE_DEVIATION_DEG
 
 
-def _with_one_angle_finding(study: Study, found: Sequence[Finding]) -> list[Finding]:
+def _with_one_angle_finding(study: Study, found: Sequence[InputIssue]) -> list[InputIssue]:
     wrong = [one for one in found if isinstance(one, HeadAngleFinding)]
     stated = [abs(trial.head_angle_deg) for trial in study.trials]
     alike = all(seems_in_radians(one.seen_deg, one.stated_deg) for one in wrong)
@@ -73,11 +73,11 @@ def _with_one_angle_finding(study: Study, found: Sequence[Finding]) -> list[Find
         f"{first.trial_id}), and alike in {len(wrong)} trials"
     )
     remedy = "The numbers are radians: multiply the column by 180/pi."
-    one = Finding(first.file, "head_angle_deg", text, "degrees", remedy)
+    one = InputIssue(first.file, "head_angle_deg", text, "degrees", remedy)
     return [one, *(other for other in found if not isinstance(other, HeadAngleFinding))]
 
 
-def _with_one_length_finding(study: Study, found: Sequence[Finding]) -> list[Finding]:
+def _with_one_length_finding(study: Study, found: Sequence[InputIssue]) -> list[InputIssue]:
     wrong = [one for one in found if isinstance(one, LengthFinding)]
     keys = {one.trial_id: _wrong_length(_errors_m(one)) for one in wrong}
     key, times = Counter(keys.values()).most_common(1)[0] if keys else ("", 0)
@@ -113,9 +113,9 @@ def _wrong_length(errors_m: Float) -> str:
     return "body" if abs(tail) > MAX_OTHER_ERROR_M else ""
 
 
-def _hinge_finding(study: Study, seen_m: Float, count: str) -> Finding:
+def _hinge_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
     stated = study.setup.robot.hinge_to_com_m
-    return Finding(
+    return InputIssue(
         str(study.root / "study.yaml"),
         "robot.hinge_to_com_m",
         f"{stated:g} m, while hinge to core_center measures {seen_m[1]:.3f} m {count}",
@@ -124,7 +124,7 @@ def _hinge_finding(study: Study, seen_m: Float, count: str) -> Finding:
     )
 
 
-def _body_finding(study: Study, seen_m: Float, count: str) -> Finding:
+def _body_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
     """Only the difference of body_length_m and head_length_m is seen: the latter is named first
     where a trial has the head that would fit.
     """
@@ -138,7 +138,7 @@ def _body_finding(study: Study, seen_m: Float, count: str) -> Finding:
     names = list(fitting) if min(apart) <= MIN_PART_ERROR_M else list(fitting)[::-1]
     key, other = names
     also = f" (or robot.{other} {fitting[other]:.3f})" if fitting[other] > 0 else ""
-    return Finding(
+    return InputIssue(
         str(study.root / "study.yaml"),
         f"robot.{key}",
         f"{getattr(robot, key):g} m, by which core_center to tail_base is "

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from ..data import Float
-from .body import Body
+from .body import RigidLengths
 
 ITERATIONS = 6
 """Gauss-Newton steps of a pose, and rounds in which poses and noise are estimated in turn."""
@@ -38,7 +38,7 @@ def usable_frames(seen: np.ndarray) -> np.ndarray:
     return np.asarray(seen[:, 0] & (seen[:, 1:].sum(axis=1) >= 2))
 
 
-def with_noise(xy: Float, cov: Float, body: Body) -> Float:
+def covariance_with_estimated_noise(xy: Float, cov: Float, body: RigidLengths) -> Float:
     """Covariance with the unknown ones estimated: one variance a part, from the rigid residuals.
 
     Variance components: s_k^2 = sum of squared residuals over sum of redundancies, repeated
@@ -51,7 +51,7 @@ def with_noise(xy: Float, cov: Float, body: Body) -> Float:
     filled, state = cov, _starting_state(xy, body)
     for _ in range(NOISE_ITERATIONS):
         filled = np.where(unknown[:, :, None, None], variance[:, None, None] * np.eye(2), cov)
-        fit = fitted(xy, filled, body, state, iterations=2)
+        fit = fit_rigid_poses(xy, filled, body, state, iterations=2)
         state = np.nan_to_num(fit.state)
         variance = _estimate_part_variances(fit, filled, variance, unknown)
     return filled
@@ -73,8 +73,13 @@ def _estimate_part_variances(fit: PoseFit, cov: Float, before: Float, unknown: n
     return variance
 
 
-def fitted(
-    xy: Float, cov: Float, body: Body, start: Float | None = None, *, iterations: int = ITERATIONS
+def fit_rigid_poses(
+    xy: Float,
+    cov: Float,
+    body: RigidLengths,
+    start: Float | None = None,
+    *,
+    iterations: int = ITERATIONS,
 ) -> PoseFit:
     """Pose of every frame by Gauss-Newton, from `start` (frames, 4) where one is known.
 
@@ -102,7 +107,7 @@ def fitted(
     return PoseFit(state, cov_state, misfit, residual, slope)
 
 
-def _starting_state(xy: Float, body: Body) -> Float:
+def _starting_state(xy: Float, body: RigidLengths) -> Float:
     """Core axis through its outermost points, head from the hinge that follows from it."""
     along = np.array([body.hinge_m, 0.0, -body.tail_m])
     front = np.argmax(np.isfinite(xy[:, 1:, 0]), axis=1)
@@ -117,7 +122,7 @@ def _starting_state(xy: Float, body: Body) -> Float:
     return np.nan_to_num(np.column_stack([center, psi, theta]))
 
 
-def _modelled_points(state: Float, body: Body) -> tuple[Float, Float]:
+def _modelled_points(state: Float, body: RigidLengths) -> tuple[Float, Float]:
     """Points (frames, 4, 2) of a pose and their derivative (frames, 4, 2, 4)."""
     core = np.column_stack([np.cos(state[:, 2]), np.sin(state[:, 2])])
     head = np.column_stack([np.cos(state[:, 3]), np.sin(state[:, 3])])
@@ -145,14 +150,14 @@ def _points_in_pool_frame(own: Float, axis: Float) -> Float:
     return own[:, :1] * axis[:, None] + own[:, 1:] * left[:, None]
 
 
-def systematic_offsets(xy: Float, body: Body) -> Float:
+def systematic_offsets(xy: Float, body: RigidLengths) -> Float:
     """Systematic offset of each point (4, 2), along and to the left of its part, m.
 
     Median residual of the rigid body over all frames, all points of one weight; zero unless one of
     them exceeds `MIN_OFFSET_SIGMAS` times its std and `MIN_OFFSET_SHARE` of the body. Without
     it, a point would be left out of some frames only and bend the pose there.
     """
-    fit = fitted(xy, np.broadcast_to(np.eye(2), (*xy.shape, 2)), body)
+    fit = fit_rigid_poses(xy, np.broadcast_to(np.eye(2), (*xy.shape, 2)), body)
     toward = np.column_stack([fit.state[:, 3], *[fit.state[:, 2]] * 3])
     cos, sin = np.cos(toward), np.sin(toward)
     x, y = fit.residual[:, :, 0], fit.residual[:, :, 1]
@@ -167,9 +172,9 @@ def systematic_offsets(xy: Float, body: Body) -> Float:
     return offset if steady.any() else np.zeros((4, 2))
 
 
-def without_outliers(xy: Float, cov: Float, body: Body) -> tuple[PoseFit, int]:
+def robust_pose_fit(xy: Float, cov: Float, body: RigidLengths) -> tuple[PoseFit, int]:
     """The fit without a frame's worst point where the others agree; else with a larger cov."""
-    fit = fitted(xy, cov, body)
+    fit = fit_rigid_poses(xy, cov, body)
     bad = _exceeds_misfit_limit(fit.misfit, xy)
     if not np.any(bad):
         return fit, 0
@@ -177,14 +182,14 @@ def without_outliers(xy: Float, cov: Float, body: Body) -> tuple[PoseFit, int]:
     for k in range(4):
         fewer = xy.copy()
         fewer[bad, k] = np.nan
-        again = fitted(fewer, cov, body)
+        again = fit_rigid_poses(fewer, cov, body)
         free = np.maximum(_degrees_of_freedom(fewer), 1)
         trials.append(np.where(np.isfinite(again.misfit), again.misfit / free, np.inf))
     worst = np.argmin(trials, axis=0)
     cleaned = xy.copy()
     repaired = bad & np.isfinite(np.min(trials, axis=0))
     cleaned[repaired, worst[repaired]] = np.nan
-    fit = fitted(cleaned, cov, body)
+    fit = fit_rigid_poses(cleaned, cov, body)
     scale = np.where(
         _exceeds_misfit_limit(fit.misfit, cleaned),
         fit.misfit / np.maximum(_degrees_of_freedom(cleaned), 1),

@@ -13,13 +13,13 @@ from dataclasses import replace
 import numpy as np
 
 from ..data import Float, Pose, Positions
-from ..errors import Finding, InputError, input_error
+from ..errors import InputError, InputIssue, input_error
 from ..study import Study, Trial
 from . import rigid_pose
-from .body import body_lengths, trusted_points
+from .body import measured_rigid_lengths, trusted_points
 from .common_mistakes import HeadAngleFinding, LengthFinding, seems_in_radians
 from .trial_comparison import (
-    PART_SOURCES,
+    LENGTH_ENDPOINTS_AND_KEYS,
     mean_head_angle_deg,
     signed_turn_deg,
     stated_lengths,
@@ -27,7 +27,7 @@ from .trial_comparison import (
 
 MAX_LENGTH_ERROR_SHARE, MAX_LENGTH_ERROR_M = 0.25, 0.02
 """Largest error of a rigid part's length on the trial's scale: the larger of share and length."""
-MAX_SCALE = 1.5
+MAX_LENGTH_SCALE_RATIO = 1.5
 """Largest ratio of measured to stated lengths of all parts together, or its inverse."""
 MAX_HEAD_ANGLE_ERROR_DEG = 25.0
 """Difference of commanded and measured head angle above which a trial is refused."""
@@ -43,7 +43,7 @@ TRAVEL_DIRECTION_BASE_BODY_LENGTHS = 0.25
 """Directions of travel are taken over so many body lengths, at any frame rate."""
 
 
-def plausible_pose(study: Study, trial: Trial, positions: Positions) -> Pose:
+def checked_rigid_pose(study: Study, trial: Trial, positions: Positions) -> Pose:
     """`rigid_pose` of a trial that may be as it is.
 
     Raises: InputError with all that cannot be right about the trial.
@@ -70,7 +70,7 @@ def plausible_pose(study: Study, trial: Trial, positions: Positions) -> Pose:
 
 def plausibility_findings(
     study: Study, trial: Trial, positions: Positions, pose: Pose
-) -> list[Finding]:
+) -> list[InputIssue]:
     """What cannot be right about a trial, with file, found, expected and remedy."""
     table, place = str(study.root / "trials.csv"), f"trial {trial.trial_id}"
     return [
@@ -83,7 +83,7 @@ def plausibility_findings(
     ]
 
 
-def _repeated_frames_findings(source: str, place: str, positions: Positions) -> list[Finding]:
+def _repeated_frames_findings(source: str, place: str, positions: Positions) -> list[InputIssue]:
     xy, _ = trusted_points(positions)
     xy = xy[np.isfinite(xy).any(axis=(1, 2))]
     same = [np.array_equal(a, b, equal_nan=True) for a, b in itertools.pairwise(xy)]
@@ -92,19 +92,19 @@ def _repeated_frames_findings(source: str, place: str, positions: Positions) -> 
     share = 100 * np.mean(same)
     found = f"keypoints that stay in place, to the last digit, in {share:.0f} % of the frames"
     remedy = "Was the tracking stopped, or a lost robot filled in with its last place?"
-    return [Finding(source, place, found, "keypoints measured in each frame", remedy)]
+    return [InputIssue(source, place, found, "keypoints measured in each frame", remedy)]
 
 
 def _length_findings(
     table: str, place: str, study: Study, trial: Trial, positions: Positions
-) -> list[Finding]:
+) -> list[InputIssue]:
     robot = study.setup.robot
-    body = body_lengths(*trusted_points(positions), robot, trial.head_length_m)
-    names = [points for points, _ in PART_SOURCES.values()]
-    seen = np.array([getattr(body, part) for part in PART_SOURCES])
+    body = measured_rigid_lengths(*trusted_points(positions), robot, trial.head_length_m)
+    names = [points for points, _ in LENGTH_ENDPOINTS_AND_KEYS.values()]
+    seen = np.array([getattr(body, part) for part in LENGTH_ENDPOINTS_AND_KEYS])
     said = np.array(list(stated_lengths(robot, trial).values()))
     scale = float(np.median(seen / said)) if (said > 0).all() else 1.0
-    if not 1 / MAX_SCALE < scale < MAX_SCALE:
+    if not 1 / MAX_LENGTH_SCALE_RATIO < scale < MAX_LENGTH_SCALE_RATIO:
         return [_scale_findings(place, study, scale)]
     off = np.abs(seen - scale * said)
     bad = off > np.maximum(MAX_LENGTH_ERROR_SHARE * scale * said, MAX_LENGTH_ERROR_M)
@@ -125,8 +125,8 @@ def _length_findings(
     ]
 
 
-def _scale_findings(place: str, study: Study, scale: float) -> Finding:
-    return Finding(
+def _scale_findings(place: str, study: Study, scale: float) -> InputIssue:
+    return InputIssue(
         str(study.root / "study.yaml"),
         place,
         f"a robot {scale:.2f} times as long as stated, in all its parts",
@@ -136,7 +136,7 @@ def _scale_findings(place: str, study: Study, scale: float) -> Finding:
     )
 
 
-def _part_order_findings(source: str, place: str, positions: Positions) -> list[Finding]:
+def _part_order_findings(source: str, place: str, positions: Positions) -> list[InputIssue]:
     xy, _ = trusted_points(positions)
     hinge, core, tail = xy[:, 1], xy[:, 2], xy[:, 3]
     along = np.sum((hinge - core) * (core - tail), axis=1)
@@ -145,10 +145,10 @@ def _part_order_findings(source: str, place: str, positions: Positions) -> list[
         return []
     found = "hinge, core_center and tail_base in another order along the body"
     remedy = "Does each keypoint bear its own name? bodyparts: in study.yaml can exchange names."
-    return [Finding(source, place, found, "this order, from the head to the tail", remedy)]
+    return [InputIssue(source, place, found, "this order, from the head to the tail", remedy)]
 
 
-def _head_angle_findings(table: str, place: str, trial: Trial, pose: Pose) -> list[Finding]:
+def _head_angle_findings(table: str, place: str, trial: Trial, pose: Pose) -> list[InputIssue]:
     seen = mean_head_angle_deg(pose)
     if not abs(signed_turn_deg(seen - trial.head_angle_deg)) > MAX_HEAD_ANGLE_ERROR_DEG:
         return []
@@ -182,7 +182,7 @@ def _head_angle_remedy(seen_deg: float, stated_deg: float) -> str:
     )
 
 
-def _outside_pool_findings(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
+def _outside_pool_findings(source: str, place: str, study: Study, pose: Pose) -> list[InputIssue]:
     seen = pose.values[np.isfinite(pose.values[:, :2]).all(axis=1), :2]
     pool = study.setup.pool
     beyond = np.maximum(-seen, seen - np.array([pool.length_m, pool.width_m])).max(axis=1)
@@ -196,10 +196,10 @@ def _outside_pool_findings(source: str, place: str, study: Study, pose: Pose) ->
         "Are these keypoints of the whole frame (not of a cropped or resized one), x before y, and "
         "pool_corners_px those of this recording?"
     )
-    return [Finding(source, place, found, expected, remedy)]
+    return [InputIssue(source, place, found, expected, remedy)]
 
 
-def _backwards_findings(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
+def _backwards_findings(source: str, place: str, study: Study, pose: Pose) -> list[InputIssue]:
     seen = np.isfinite(pose.values[:, :3]).all(axis=1)
     xy, heading = pose.values[seen, :2], pose.values[seen, 2]
     length = study.setup.robot.body_length_m
@@ -213,10 +213,10 @@ def _backwards_findings(source: str, place: str, study: Study, pose: Pose) -> li
         return []
     found = f"a robot that swims backwards for {gone.sum():.1f} m"
     remedy = "Head and tail seem exchanged: are head_length_m and head_angle_deg this trial's?"
-    return [Finding(source, place, found, "a robot that swims ahead", remedy)]
+    return [InputIssue(source, place, found, "a robot that swims ahead", remedy)]
 
 
-def _jump_findings(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
+def _jump_findings(source: str, place: str, study: Study, pose: Pose) -> list[InputIssue]:
     seen = np.isfinite(pose.values[:, :2]).all(axis=1)
     t, xy = pose.time_s[seen], pose.values[seen, :2]
     length = study.setup.robot.body_length_m
@@ -229,7 +229,7 @@ def _jump_findings(source: str, place: str, study: Study, pose: Pose) -> list[Fi
         "Is there a cut in the recording (start_s and end_s choose a part), another body, a "
         "keypoint that is missing in part of the frames, or fps far too high?"
     )
-    return [Finding(source, place, found, "one path", remedy)]
+    return [InputIssue(source, place, found, "one path", remedy)]
 
 
 def waypoints(xy_m: Float, apart_m: float) -> list[int]:

@@ -17,7 +17,7 @@ import numpy as np
 from ..data import Keypoints, Pose, Positions
 from ..data.majority import deviations_from_majority
 from ..study import Robot, Study, Trial
-from .body import body_lengths, trusted_points
+from .body import measured_rigid_lengths, trusted_points
 
 MIN_HEAD_ANGLE_DEVIATION_DEG = 5.0
 """Head angles that deviate less from those of the other trials are a servo's accuracy."""
@@ -27,7 +27,7 @@ keypoints are placed more accurately than that."""
 FRAME_HASHES, MIN_COMMON_HASHES = 64, 4
 """Frames of a trial that are compared with those of others: those with the smallest hashes (bottom
 sketch; Broder, Proc. SEQUENCES 1997, 21), and how many two trials may not have in common."""
-PART_SOURCES = {
+LENGTH_ENDPOINTS_AND_KEYS = {
     "head_m": ("head_tip to hinge", "head_length_m in trials.csv"),
     "hinge_m": ("hinge to core_center", "robot.hinge_to_com_m"),
     "tail_m": (
@@ -38,11 +38,11 @@ PART_SOURCES = {
 """Length -> the keypoints between which it is measured, and the keys that state it."""
 
 
-def body_record(
+def status_of_body_measurements(
     keypoints: Keypoints, positions: Positions, pose: Pose, robot: Robot, trial: Trial
 ) -> dict[str, Any]:
     """Head angle and lengths of a trial, as status/ID.json holds them, and hashes of its frames."""
-    body = body_lengths(*trusted_points(positions), robot, trial.head_length_m)
+    body = measured_rigid_lengths(*trusted_points(positions), robot, trial.head_length_m)
     stated = stated_lengths(robot, trial)
     return {
         "head_angle_deg": mean_head_angle_deg(pose),
@@ -76,7 +76,7 @@ def comparison_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]])
 
 
 def stated_lengths(robot: Robot, trial: Trial) -> dict[str, float]:
-    """Lengths of the rigid parts that study.yaml and trials.csv state, m, as in `PART_SOURCES`."""
+    """Lengths (m) that study.yaml and trials.csv state, as in `LENGTH_ENDPOINTS_AND_KEYS`."""
     return {
         "head_m": trial.head_length_m,
         "hinge_m": robot.hinge_to_com_m,
@@ -104,7 +104,8 @@ def _head_angle_warnings(
     exchanged = {
         name: other
         for one, two in combinations(wrong, 2)
-        if _fits(angles[one], trials[two]) and _fits(angles[two], trials[one])
+        if _head_angle_agrees(angles[one], trials[two])
+        and _head_angle_agrees(angles[two], trials[one])
         for name, other in ((one, two), (two, one))
     }
     for name in dict.fromkeys([*deviating, *exchanged]):
@@ -119,7 +120,7 @@ def _head_angle_warnings(
             )
 
 
-def _fits(angle_deg: float, trial: Trial) -> bool:
+def _head_angle_agrees(angle_deg: float, trial: Trial) -> bool:
     return abs(signed_turn_deg(angle_deg - trial.head_angle_deg)) <= MIN_HEAD_ANGLE_DEVIATION_DEG
 
 
@@ -151,7 +152,7 @@ def _length_warnings(
     ratios = {n: r["length_ratios"] for n, r in seen.items() if len(r.get("length_ratios", ())) > 2}
     if not ratios:
         return
-    for part, (points, key) in PART_SOURCES.items():
+    for part, (points, key) in LENGTH_ENDPOINTS_AND_KEYS.items():
         shares = [r[part] / float(np.median(list(r.values()))) - 1 for r in ratios.values()]
         stated = float(np.median([stated_lengths(robot, trials[n])[part] for n in ratios]))
         off = float(np.median(shares))

@@ -20,15 +20,15 @@ from ruamel.yaml.error import YAMLError
 
 from ..errors import input_error, unreadable_reason
 from ..files import atomic_write, read_text
-from ..study.key_reference import keys
+from ..study.key_reference import setting_keys
 from .prefill import blank_study_yaml, study_files, trial_rows, trials_csv
 
 STUDY_FILES = ("study.yaml", "trials.csv")
 """Files of a study, in the order of their texts."""
-LEFT_REMEDY = "Mend it in an editor; it was left as it is."
+FILE_LEFT_UNCHANGED_REMEDY = "Mend it in an editor; it was left as it is."
 BACKUP_FOLDER = ".backup"
 """Folder in the study to which a file is copied before it is changed."""
-REQUIRED_KEYS = {key.name for key in keys() if key.default == "required"}
+REQUIRED_KEYS = {key.name for key in setting_keys() if key.default == "required"}
 """Keys and columns that a study must have."""
 MAX_FILE_BYTES = 10_000_000
 
@@ -110,7 +110,7 @@ def study_file_texts(folder: Path) -> tuple[str | None, str | None]:
             return None
         except (OSError, UnicodeDecodeError) as error:
             raise input_error(folder / name, "", f"no readable text ({error})", "a file in UTF-8",
-                              LEFT_REMEDY) from error  # fmt: skip
+                              FILE_LEFT_UNCHANGED_REMEDY) from error  # fmt: skip
 
     return text(STUDY_FILES[0]), text(STUDY_FILES[1])
 
@@ -133,13 +133,15 @@ def _yaml_document(folder: Path, text: str | None) -> CommentedMap:
         content = _round_trip_yaml().load(blank_study_yaml() if text is None else text)
     except (YAMLError, ValueError, RecursionError) as error:
         found = f"no readable yaml ({unreadable_reason(error)})"
-        raise input_error(folder / STUDY_FILES[0], "", found, "yaml", LEFT_REMEDY) from error
+        raise input_error(
+            folder / STUDY_FILES[0], "", found, "yaml", FILE_LEFT_UNCHANGED_REMEDY
+        ) from error
     if content is None:
         content = _round_trip_yaml().load(blank_study_yaml())
     if not isinstance(content, CommentedMap):
         raise input_error(folder / STUDY_FILES[0], "", "no keys",
                           "keys pool, robot, camera and others",
-                          LEFT_REMEDY)  # fmt: skip
+                          FILE_LEFT_UNCHANGED_REMEDY)  # fmt: skip
     return content
 
 
@@ -153,13 +155,15 @@ def _trials_table(folder: Path, text: str | None) -> tuple[list[str], list[dict[
         ]
     except csv.Error as error:
         found = f"no readable csv ({unreadable_reason(error)})"
-        raise input_error(folder / STUDY_FILES[1], "", found, "a csv file", LEFT_REMEDY) from error
+        raise input_error(
+            folder / STUDY_FILES[1], "", found, "a csv file", FILE_LEFT_UNCHANGED_REMEDY
+        ) from error
     header = [cell.strip() for cell in lines[0]] if lines else []
     if len(set(header)) < len(header) or any(len(row) > len(header) for row in lines):
         raise input_error(folder / STUDY_FILES[1], "",
                           "a column twice, or a row longer than the header",
                           "a column for each cell",
-                          LEFT_REMEDY)  # fmt: skip
+                          FILE_LEFT_UNCHANGED_REMEDY)  # fmt: skip
     rows = [dict(zip(header, map(str.strip, row), strict=False)) for row in lines[1:]]
     return header, rows
 

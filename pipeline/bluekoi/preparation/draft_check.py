@@ -7,15 +7,17 @@ import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ..errors import Finding, InputError
-from ..study import Setup, Study, missing_files
-from ..study.key_reference import keys
+from ..errors import InputError, InputIssue
+from ..study import Study, StudySettings, missing_files
+from ..study.key_reference import setting_keys
 from ..study.study_yaml import read_setup
 from ..study.trials_csv import read_trials
 from .draft import STUDY_FILES, Draft, edited_texts, study_file_texts
 from .input_check import file_findings, setup_findings
 
-STUDY_SECTIONS = {key.name for key in keys() if "." not in key.name and key.file == STUDY_FILES[0]}
+STUDY_SECTIONS = {
+    key.name for key in setting_keys() if "." not in key.name and key.file == STUDY_FILES[0]
+}
 """Sections of study.yaml."""
 
 
@@ -51,9 +53,11 @@ def draft_study(draft: Draft, folder: Path) -> Study:
     return study
 
 
-def _validate_draft(draft: Draft, folder: Path) -> tuple[Setup | None, Study, list[Finding]]:
+def _validate_draft(
+    draft: Draft, folder: Path
+) -> tuple[StudySettings | None, Study, list[InputIssue]]:
     """Setup, study and findings of the draft, by the readers that every command uses."""
-    findings: list[Finding] = []
+    findings: list[InputIssue] = []
     with tempfile.TemporaryDirectory() as name:
         texts = edited_texts(draft, folder, study_file_texts(folder))
         for file, text in zip(STUDY_FILES, texts, strict=True):
@@ -66,14 +70,16 @@ def _validate_draft(draft: Draft, folder: Path) -> tuple[Setup | None, Study, li
     return setup, study, findings
 
 
-def _with_page_position(finding: Finding, draft: Draft, folder: Path) -> DraftFinding:
+def _with_page_position(finding: InputIssue, draft: Draft, folder: Path) -> DraftFinding:
     """A finding beside the field that it is about."""
     remedy = f" {finding.remedy}" if finding.remedy else ""
     text = f"found {finding.found}; expected {finding.expected}.{remedy}"
     file = Path(finding.file).name
     if file == STUDY_FILES[0]:
         known = [
-            key.name for key in keys() if key.name not in STUDY_SECTIONS or key.name == "bodyparts"
+            key.name
+            for key in setting_keys()
+            if key.name not in STUDY_SECTIONS or key.name == "bodyparts"
         ]
         place = next((k for k in known if f"{finding.where}.".startswith(f"{k}.")), "")
         return DraftFinding(text if place else f"{finding.where}: {text}", key=place)
@@ -99,7 +105,7 @@ def _row_index(where: str, draft: Draft) -> int | None:
     return None
 
 
-def _with_row_of_file(finding: Finding, text: str, draft: Draft, folder: Path) -> DraftFinding:
+def _with_row_of_file(finding: InputIssue, text: str, draft: Draft, folder: Path) -> DraftFinding:
     """A finding on a recording, keypoint file or motor log beside the row that names it."""
     place = f"{finding.where}: " if finding.where else ""
     for at, row in enumerate(draft.rows):

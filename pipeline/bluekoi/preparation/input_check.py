@@ -13,19 +13,19 @@ import numpy as np
 from ..camera import map_keypoints, pool_camera
 from ..camera.picture_bounds import check_within_picture
 from ..data import MIN_POSE_FRAMES, Keypoints, is_confident
-from ..errors import Finding, InputError, input_error
+from ..errors import InputError, InputIssue, input_error
 from ..files import to_json_types
 from ..footage import open_recording
 from ..keypoints import source_module
 from ..motor import flapping_from_log, flapping_record, trial_flapping
-from ..motor.motor_log import log_coverage
+from ..motor.motor_log import motor_log_coverage
 from ..motor.swimming_plausibility import tail_length_seen
 from ..pose.body import RIGID_PARTS
 from ..pose.common_mistakes import merge_common_mistakes
 from ..pose.fit import usable_frames
-from ..pose.plausibility import plausible_pose
-from ..pose.trial_comparison import body_record
-from ..study import Setup, Study, Trial
+from ..pose.plausibility import checked_rigid_pose
+from ..pose.trial_comparison import status_of_body_measurements
+from ..study import Study, StudySettings, Trial
 from ..study.frame_count import check_frame_count
 from ..study.recording_pixels import setup_in_film_pixels
 
@@ -35,7 +35,7 @@ contradict each other.
 """
 
 
-def setup_findings(setup: Setup, folder: Path) -> tuple[list[Finding], tuple[str, ...]]:
+def setup_findings(setup: StudySettings, folder: Path) -> tuple[list[InputIssue], tuple[str, ...]]:
     """What is wrong with detector and camera of a study.yaml, and remarks on the camera."""
     try:
         source_module(setup.detection.source)
@@ -44,14 +44,14 @@ def setup_findings(setup: Setup, folder: Path) -> tuple[list[Finding], tuple[str
         return [_with_study_folder(folder, finding) for finding in found.findings], ()
 
 
-def file_findings(study: Study) -> list[Finding]:
+def file_findings(study: Study) -> list[InputIssue]:
     """A finding for each source and motor log that a run could not read, and for shared sources."""
     return check_files(study)[0]
 
 
 def check_files(
     study: Study, progress: Callable[[float], None] = lambda _: None
-) -> tuple[list[Finding], dict[str, dict[str, Any]]]:
+) -> tuple[list[InputIssue], dict[str, dict[str, Any]]]:
     """`file_findings`, and what the keypoint files of sound trials say of flapping frequency and
     tail, by trial id and in the words of status/ID.json.
 
@@ -68,15 +68,15 @@ def check_files(
     return merge_common_mistakes(study, found), statuses
 
 
-def _with_study_folder(folder: Path, finding: Finding) -> Finding:
+def _with_study_folder(folder: Path, finding: InputIssue) -> InputIssue:
     """The finding with the study's folder before the bare name of its file."""
     bare = finding.file == Path(finding.file).name
     return replace(finding, file=str(folder / finding.file)) if bare else finding
 
 
-def _shared_source_findings(study: Study) -> list[Finding]:
+def _shared_source_findings(study: Study) -> list[InputIssue]:
     """A finding for each pair of trials that take the same file whole, naming the first such."""
-    found: dict[tuple[str, str], Finding] = {}
+    found: dict[tuple[str, str], InputIssue] = {}
     owner: dict[Path, str] = {}
     same_as = _duplicate_files(
         {p for t in study.trials if not t.reads_images for p in study.paths(t)}
@@ -89,7 +89,7 @@ def _shared_source_findings(study: Study) -> list[Finding]:
             name = f"{path.name}, whole, as trial {first} has it{copy}"
             expected = "a file of its own, or a part of one by start_s and end_s"
             place = str(study.root / "trials.csv"), f"trial {trial.trial_id}"
-            found.setdefault((first, trial.trial_id), Finding(*place, name, expected))
+            found.setdefault((first, trial.trial_id), InputIssue(*place, name, expected))
     return list(found.values())
 
 
@@ -116,7 +116,9 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
     positions, logged = None, None
     if trial.reads_keypoints:
         path = study.paths(trial)[0]
-        found = source_module("deeplabcut").read(path, trial, study.setup.bodyparts)
+        found = source_module("deeplabcut").read_keypoints_of_trial(
+            path, trial, study.setup.bodyparts
+        )
         camera = study.setup.camera
         check_within_picture(path, found, camera.image_size_px if camera else None)
         check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
@@ -124,8 +126,8 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         positions = map_keypoints(
             pool_camera(study.setup), found, study.setup.robot.keypoint_depth_m
         )
-        pose = plausible_pose(study, trial, positions)
-        body = body_record(found, positions, pose, study.setup.robot, trial)
+        pose = checked_rigid_pose(study, trial, positions)
+        body = status_of_body_measurements(found, positions, pose, study.setup.robot, trial)
         end_s = float(found.time_s[-1])
     else:
         film = open_recording(
@@ -136,7 +138,7 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         check_frame_count(study, trial, film.frames_in_part, film.fps or film.nominal_fps)
     if (log := study.motor_path(trial)) is not None:
         flapping = flapping_from_log(log)
-        logged = log_coverage(log, flapping, (trial.start_s or 0.0, end_s))
+        logged = motor_log_coverage(log, flapping, (trial.start_s or 0.0, end_s))
         _check_stated_frequency(study, trial, flapping.flap_hz)
     if positions is None:
         return {}

@@ -63,7 +63,7 @@ class Jobs:
         return self._pool
 
 
-class Run:
+class AnalysisProcess:
     """The run of the study, begun from the page and followed there line by line."""
 
     def __init__(self, words: Sequence[str], report: Path) -> None:

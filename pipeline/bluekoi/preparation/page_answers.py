@@ -13,14 +13,14 @@ import yaml
 from pydantic import BaseModel, ValidationError
 
 from ..camera.lens_calibration import calibrate_files, calibration_from_profile, camera_section
-from ..camera.pool_corner_check import compare_corners, edge_points_px, grid_px
-from ..errors import Finding, InputError, input_error, unreadable_reason
+from ..camera.pool_corner_check import compare_corners, edge_points_px, projected_pool_grid_px
+from ..errors import InputError, InputIssue, input_error, unreadable_reason
 from ..files import read_text, to_json_types
 from ..footage import open_recording
 from ..motor import flapping_from_log
-from ..study import Camera, Pool, Robot, Setup, Trial, Water
+from ..study import Camera, Pool, Robot, StudySettings, Trial, Water
 from ..study.image_files import expand_source
-from ..study.key_reference import keys
+from ..study.key_reference import setting_keys
 from ..study.validation_messages import findings_from_validation_error
 from .draft import Draft, read_draft
 from .draft_check import draft_findings
@@ -51,7 +51,7 @@ def page_state(folder: Path) -> dict[str, Any]:
     return {
         "folder": str(folder),
         "files": {**asdict(files), "cameras": _camera_files(folder)},
-        "keys": [asdict(key) for key in keys()],
+        "keys": [asdict(key) for key in setting_keys()],
         "draft": draft_as_json(draft),
         "new_rows": _rows_of_unlisted_files(draft, folder),
         "findings": [asdict(finding) for finding in draft_findings(draft, folder)],
@@ -95,7 +95,7 @@ def corners_on_frame(values: Mapping[str, str], grey: Luma) -> dict[str, Any]:
     return to_json_types({
         "edges_px": [points_as_json(points[::2]) for points in edge_points_px(found.fit)],
         "grid_px": [points_as_json(line[::9])
-                    for line in (grid_px(found.camera) if found.camera else [])],
+                    for line in (projected_pool_grid_px(found.camera) if found.camera else [])],
         "fitted_px": points_as_json(found.fit.corners_px),
         "suggested_px": points_as_json(check.suggested_px),
         "inner_rim_px": points_as_json(found.fit.inner_rim_px),
@@ -150,10 +150,10 @@ def lens_calibration(folder: Path, files: str, pattern: str, square_mm: float) -
     return {"values": _camera_keys(content), "remarks": [found.quality, *found.remarks, *written]}
 
 
-def _camera_setup(values: Mapping[str, str]) -> Setup:
+def _camera_setup(values: Mapping[str, str]) -> StudySettings:
     """A setup without the robot, of which the corners need nothing but the depth of its points."""
     depth = _parse_number(values.get("robot.keypoint_depth_m", ""))
-    return Setup.model_construct(
+    return StudySettings.model_construct(
         pool=_validated_section("pool", values),
         water=_validated_section("water", values),
         camera=_validated_section("camera", values),
@@ -166,7 +166,7 @@ def _validated_section(name: str, values: Mapping[str, str]) -> Any:
     given = {key.partition(".")[2]: _parse_value(text) for key, text in values.items()
              if key.startswith(f"{name}.") and text.strip()}  # fmt: skip
     missing = [
-        Finding("study.yaml", f"{name}.{key}", "nothing", "a number")
+        InputIssue("study.yaml", f"{name}.{key}", "nothing", "a number")
         for key in ("length_m", "width_m")
         if name == "pool" and key not in given
     ]

@@ -14,7 +14,7 @@ from pathlib import Path
 from ..footage.gopro_chapters import gopro_chapter
 from ..study import VIDEO_SUFFIXES, Trial
 from ..study.image_files import IMAGE_SUFFIXES, natural_sort_key
-from ..study.key_reference import keys
+from ..study.key_reference import setting_keys
 
 MAX_HEADER_BYTES = 4096
 MAX_FILES = 100_000
@@ -28,7 +28,7 @@ ANGLE_PATTERN = re.compile(
     r"(?i)(?:^|[_\-. ])(?:head[_-]?angle|angle|phi|a)_?(m|minus|-|\+)?(\d{1,3}(?:\.\d+)?)"
     r"(?:deg)?(?=$|[_\-. ])"
 )
-LIMITS = {"power_pct": 300.0, "head_angle_deg": 120.0}
+FILE_NAME_VALUE_LIMITS = {"power_pct": 300.0, "head_angle_deg": 120.0}
 """Largest values of trials.csv: a larger number in a name is something else, such as a date."""
 LOG_WORDS_PATTERN = re.compile(r"(?i)^(motor|log|angle|shaft|encoder)[_\-. ]|"
                        r"[_\-. ](motor|log|angle|shaft|encoder)s?$")  # fmt: skip
@@ -97,7 +97,7 @@ def trial_rows(files: StudyFiles, head_length_m: float | None = None) -> list[di
             "trial_id": _unique_trial_id(source, [r["trial_id"] for r in rows]),
             "source": source,
         }
-        row |= condition_of_name(stem)
+        row |= condition_from_file_name(stem)
         if head_length_m is not None:
             row["head_length_m"] = f"{head_length_m:g}"
         if stems[stem.casefold()] == 1 and (log := logs.get(stem.casefold())):
@@ -106,7 +106,7 @@ def trial_rows(files: StudyFiles, head_length_m: float | None = None) -> list[di
     return rows
 
 
-def condition_of_name(stem: str) -> dict[str, str]:
+def condition_from_file_name(stem: str) -> dict[str, str]:
     """Power and head angle where the name of a file states them: column to text."""
     found = {}
     if power := PERCENT_PATTERN.search(stem) or POWER_PATTERN.search(stem):
@@ -114,7 +114,9 @@ def condition_of_name(stem: str) -> dict[str, str]:
     if angle := ANGLE_PATTERN.search(stem):
         sign = "-" if (angle[1] or "").lower() in ("m", "minus", "-") else ""
         found["head_angle_deg"] = f"{sign}{float(angle[2]):g}"
-    return {key: text for key, text in found.items() if abs(float(text)) <= LIMITS[key]}
+    return {
+        key: text for key, text in found.items() if abs(float(text)) <= FILE_NAME_VALUE_LIMITS[key]
+    }
 
 
 def trials_csv(rows: Sequence[Mapping[str, str]], header: Sequence[str] = ()) -> str:
@@ -138,7 +140,7 @@ def blank_study_yaml() -> str:
     what most studies leave out is commented out.
     """
     lines = ["# A study: pool, water, robot, camera. Units are SI unless the name says otherwise."]
-    for key in keys():
+    for key in setting_keys():
         section, _, name = key.name.partition(".")
         if key.file != "study.yaml" or section not in ("pool", "water", "robot", "camera"):
             continue

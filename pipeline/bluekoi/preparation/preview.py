@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..data import MIN_LIKELIHOOD, Float, Frame, Keypoints
+from ..data import MIN_KEYPOINT_LIKELIHOOD, Float, Frame, Keypoints
 from ..errors import input_error
 from ..footage import frames, open_recording
 from ..keypoints import source_module
@@ -42,7 +42,7 @@ class Preview:
     @property
     def found(self) -> int:
         """Frames in which every part is confident."""
-        return int(np.sum(self.likelihood >= MIN_LIKELIHOOD))
+        return int(np.sum(self.likelihood >= MIN_KEYPOINT_LIKELIHOOD))
 
 
 def spread_frames(
@@ -89,7 +89,7 @@ def preview_trial(study: Study, trial_id: str) -> Preview:
     setup = setup_in_film_pixels(study.setup, (width, height), trial.source)
 
     def detect(trial: Trial) -> Keypoints:
-        return detector.detect(lambda: some, setup, trial)
+        return detector.detect_keypoints(lambda: some, setup, trial)
 
     found = detect(trial)
     return Preview(
@@ -105,7 +105,7 @@ def preview_trial(study: Study, trial_id: str) -> Preview:
 
 
 def _confident_frame_count(found: Keypoints) -> int:
-    return int(np.sum(found.likelihood.min(axis=1) >= MIN_LIKELIHOOD))
+    return int(np.sum(found.likelihood.min(axis=1) >= MIN_KEYPOINT_LIKELIHOOD))
 
 
 def _reason_for_few_detections(

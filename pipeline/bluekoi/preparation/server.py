@@ -19,7 +19,7 @@ from . import page_answers as answers
 from .draft import save_draft
 from .draft_check import draft_findings, draft_study
 from .frame_images import encode_jpeg, preview_as_json
-from .jobs import Jobs, Run
+from .jobs import AnalysisProcess, Jobs
 
 PAGE_FOLDER = Path(__file__).parent / "page"
 HOST = "127.0.0.1"
@@ -43,7 +43,7 @@ class SetupServer:
     ) -> None:
         self.folder, self.results = folder.resolve(), results.resolve()
         self.token = secrets.token_urlsafe(24)
-        self.jobs, self.run = Jobs(), Run(run_words, results / "report.html")
+        self.jobs, self.run = Jobs(), AnalysisProcess(run_words, results / "report.html")
         self._server = waitress.create_server(
             self._application(), host=HOST, port=port, threads=SERVER_THREADS,
             max_request_body_size=MAX_REQUEST_BYTES, ident=None,

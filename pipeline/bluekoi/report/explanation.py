@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..explain import CauseSearchResult, Predicted
-from ..explain.comparison import cut_into_segments
+from ..explain.comparison import cut_trials_into_segments
 from ..explain.results_json import verdict_sentence
 from ..explain.text import (
     cause_rows,
@@ -83,7 +83,7 @@ def trials_figure(found: CauseSearchResult) -> Figure:
         axes = figure.subplots(len(model.observations), len(chosen), squeeze=False)
         for fitted, colour in ((found.baseline, BEFORE_COLOUR), (found.extended, AFTER_COLOUR)):
             for column, one in enumerate(chosen):
-                parts = cut_into_segments(problem, fitted, [one], found.held_out.stretch_s)
+                parts = cut_trials_into_segments(problem, fitted, [one], found.held_out.stretch_s)
                 if not parts:
                     continue
                 runs = free_runs(problem.kernel, parts, fitted.values(problem, parts),

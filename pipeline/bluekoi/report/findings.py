@@ -32,7 +32,7 @@ VERDICT_HEADINGS = {
 
 
 @dataclass(frozen=True)
-class Cause:
+class CauseText:
     """One cause as text."""
 
     name: str
@@ -53,7 +53,7 @@ class Row:
     marked: bool = False
 
 
-def summary(campaign: Campaign) -> str:
+def study_summary_sentence(campaign: Campaign) -> str:
     """What was analysed, in one sentence."""
     trials, done = campaign.study.trials, campaign.analysed
     powers = sorted({trial.power_pct for trial in trials})
@@ -95,7 +95,7 @@ def named_heading(kind: str, causes: Sequence[tuple[str, str]]) -> str:
     return "; ".join(f"{words}: {names}" for words, names in parts if names)
 
 
-def warnings(campaign: Campaign) -> list[str]:
+def campaign_warnings(campaign: Campaign) -> list[str]:
     """Warnings on the robot, clocks, speeds, powers and lengths, on a camera without calibration,
     of the search, and one if no coefficient is determined.
     """
@@ -125,7 +125,7 @@ def _known_causes() -> set[str]:
     return {name.split(".")[0] for name in parameter_units() if "." in name}
 
 
-def key_figures(campaign: Campaign) -> list[tuple[str, str]]:
+def headline_values(campaign: Campaign) -> list[tuple[str, str]]:
     """A few values with their meaning."""
     rows = [campaign.steady[trial.trial_id] for trial in campaign.analysed]
     fastest = max((r for r in rows if r.speed_m_s > 0), key=lambda r: r.speed_m_s, default=None)
@@ -149,7 +149,7 @@ def key_figures(campaign: Campaign) -> list[tuple[str, str]]:
     return out
 
 
-def causes(campaign: Campaign) -> list[Cause]:
+def cause_texts(campaign: Campaign) -> list[CauseText]:
     """Causes of the verdict, the one that explains most first."""
     return [_cause_text(entry) for entry in (campaign.mismatch or {}).get("causes") or []]
 
@@ -169,7 +169,7 @@ def dependence_rows(campaign: Campaign) -> list[Row]:
     ]
 
 
-def probabilities(campaign: Campaign) -> list[Row]:
+def probability_table_rows(campaign: Campaign) -> list[Row]:
     """Inclusion probability of every candidate, the largest first."""
     found = campaign.mismatch or {}
     selected = {str(cause["name"]) for cause in found.get("causes") or []}
@@ -180,7 +180,7 @@ def probabilities(campaign: Campaign) -> list[Row]:
     ]
 
 
-def rivals(campaign: Campaign) -> list[Row]:
+def rival_cause_texts(campaign: Campaign) -> list[Row]:
     """Causes that the data do not exclude, and how to distinguish them."""
     return [
         Row(readable_name(str(r["name"])),
@@ -189,7 +189,7 @@ def rivals(campaign: Campaign) -> list[Row]:
     ]  # fmt: skip
 
 
-def next_trial(campaign: Campaign) -> str:
+def next_trial_sentence(campaign: Campaign) -> str:
     """The most informative next trial, in a sentence; empty if none is proposed."""
     found = (campaign.mismatch or {}).get("next_trial")
     if not found:
@@ -205,7 +205,7 @@ def next_trial(campaign: Campaign) -> str:
     return ", ".join(parts) + f": {_as_sentence(found.get('why'))}"
 
 
-def _cause_text(entry: dict[str, Any]) -> Cause:
+def _cause_text(entry: dict[str, Any]) -> CauseText:
     parameters = [
         f"{name} = "
         + value_with_interval(
@@ -215,7 +215,7 @@ def _cause_text(entry: dict[str, Any]) -> Cause:
         for name, cell in (entry.get("parameters") or {}).items()
     ]
     others = entry.get("credible_set") or []
-    return Cause(
+    return CauseText(
         name=readable_name(str(entry["name"])),
         sentence=str(entry.get("sentence") or ""),
         regime=str(entry.get("regime") or ""),

@@ -23,7 +23,7 @@ COMBINATION_TERM = re.compile(r"([+-]\d*\.?\d+) d(\w+)/")
 
 
 @dataclass(frozen=True)
-class Profile:
+class ProfileCurve:
     """A profile drawn in a box of 100 by 60: curve, position of the estimate, interval as text."""
 
     name: str
@@ -60,7 +60,7 @@ def as_power_product(text: str) -> str:
     return " · ".join(powers) or text
 
 
-def profiles(campaign: Campaign) -> list[Profile]:
+def likelihood_profile_curves(campaign: Campaign) -> list[ProfileCurve]:
     """The profile of each coefficient that has one."""
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     found = _identifiability(campaign).get("profiles") or {}
@@ -68,7 +68,9 @@ def profiles(campaign: Campaign) -> list[Profile]:
     return [one for one in drawn if one is not None]
 
 
-def _profile_curve(name: str, one: Mapping[str, Any], cell: Mapping[str, Any]) -> Profile | None:
+def _profile_curve(
+    name: str, one: Mapping[str, Any], cell: Mapping[str, Any]
+) -> ProfileCurve | None:
     best = cell.get("value")
     if best is None or not one.get("values"):
         return None
@@ -84,7 +86,7 @@ def _profile_curve(name: str, one: Mapping[str, Any], cell: Mapping[str, Any]) -
     )
     low, high = (_open_end_text(cell, side) for side in ("lower", "upper"))
     words = f"{_end_text(one.get('lower'), low)} to {_end_text(one.get('upper'), high)}"
-    return Profile(
+    return ProfileCurve(
         name,
         " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True)),
         CURVE_WIDTH * (float(best) - float(at[0])) / span,

@@ -27,7 +27,7 @@ FIGURE_ORDER = ("fig3", "fig5", "fig6", "paths", "mismatch_laws", "mismatch_map"
 
 
 @dataclass(frozen=True)
-class Picture:
+class FigureDataUri:
     """A figure: data URI and size in px, or the reason for its absence.
 
     pdf: relative link to the vector version. data: packed csv.
@@ -44,7 +44,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Clip:
+class OverlayClip:
     """Overlay video: base64 of the mp4 (empty if not embedded), relative link, time of frame 1."""
 
     data: str
@@ -58,15 +58,19 @@ def plotting_library() -> str:
     return gzip_base64(get_plotlyjs())
 
 
-def pictures(texts: Mapping[str, tuple[str, str]], folder: Path, beside: Path) -> list[Picture]:
+def pictures(
+    texts: Mapping[str, tuple[str, str]], folder: Path, beside: Path
+) -> list[FigureDataUri]:
     """Figures with titles and captions, those of the paper first."""
     order = [*(n for n in FIGURE_ORDER if n in texts), *(n for n in texts if n not in FIGURE_ORDER)]
     return [_picture(folder / f"{name}.png", texts[name], beside) for name in order]
 
 
-def clips(folder: Path, beside: Path, campaign: Campaign) -> dict[str, Clip]:
+def embedded_overlay_clips(
+    folder: Path, beside: Path, campaign: Campaign
+) -> dict[str, OverlayClip]:
     """Video of every trial that has one, embedded in the order of trials.csv up to the limit."""
-    out: dict[str, Clip] = {}
+    out: dict[str, OverlayClip] = {}
     room = MAX_ALL_CLIPS_BYTES
     for trial in campaign.study.trials:
         path = folder / f"{trial.trial_id}.mp4"
@@ -76,7 +80,7 @@ def clips(folder: Path, beside: Path, campaign: Campaign) -> dict[str, Clip]:
         embed = size <= min(MAX_CLIP_BYTES, room)
         room -= size if embed else 0
         data = _base64(path) if embed else ""
-        out[trial.trial_id] = Clip(data, _relative_link(path, beside), _start_s(path))
+        out[trial.trial_id] = OverlayClip(data, _relative_link(path, beside), _start_s(path))
     return out
 
 
@@ -86,10 +90,10 @@ def _start_s(video: Path) -> float:
     return float((read_json_if_present(status) or {}).get("first_frame_s") or 0.0)
 
 
-def _picture(path: Path, text: tuple[str, str], beside: Path) -> Picture:
+def _picture(path: Path, text: tuple[str, str], beside: Path) -> FigureDataUri:
     missing, size = _read_png(path)
     pdf, data = path.with_suffix(".pdf"), path.with_suffix(".csv")
-    return Picture(
+    return FigureDataUri(
         name=path.stem,
         title=text[0],
         caption=text[1],

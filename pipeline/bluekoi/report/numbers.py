@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import Any
 
-from ..model import plates
+from ..model import two_plate_system
 
 Z_95 = 1.96
 UNIT_SYMBOLS = {"m2": "m²", "kg m2": "kg m²", "kg_m2": "kg m²", "1": "–", "": "–"}
@@ -91,7 +91,7 @@ def with_readable_names(sentence: str, names: Iterable[str]) -> str:
 @lru_cache(maxsize=1)
 def parameter_units() -> dict[str, str]:
     """Printed unit of every coefficient (`C_T`) and of every effect's parameter (`stall.k`)."""
-    return {p.name: format_unit(p.unit) for p in plates().parameters}
+    return {p.name: format_unit(p.unit) for p in two_plate_system().parameters}
 
 
 def _superscript(power: int) -> str:

@@ -22,8 +22,8 @@ from .overlay_frame import (
     MEASURED_BGR,
     STRIP_HEIGHT_PX,
     BgrImage,
-    Line,
-    Scene,
+    OverlayContent,
+    OverlayPath,
     annotated_frame,
     empty_pool,
 )
@@ -51,7 +51,7 @@ def write_trial_overlay(
     found = read_detections(seen, trial) if seen.is_file() else None
     track = campaign.tracks[trial_id]
     columns = campaign.model_columns(trial_id)
-    scene = Scene(
+    scene = OverlayContent(
         label=_trial_label(trial),
         size_px=camera.size_px,
         lines=path_lines(camera, track, columns, study.setup.robot.keypoint_depth_m),
@@ -67,7 +67,11 @@ def write_trial_overlay(
 
 
 def write_overlay(
-    path: str | Path, scene: Scene, source: Iterable[Frame | float], *, fps: float = MAX_FPS
+    path: str | Path,
+    scene: OverlayContent,
+    source: Iterable[Frame | float],
+    *,
+    fps: float = MAX_FPS,
 ) -> int:
     """Write an H.264 mp4, 640 px wide, with a constant frame rate; return its number of frames.
 
@@ -87,7 +91,7 @@ def overlay_size(size_px: tuple[int, int]) -> tuple[int, int]:
 
 
 def _frames_at_steady_rate(
-    scene: Scene, source: Iterable[Frame | float], size: tuple[int, int], fps: float
+    scene: OverlayContent, source: Iterable[Frame | float], size: tuple[int, int], fps: float
 ) -> Iterator[BgrImage]:
     """Pictures at a steady rate; one that is missing is that before it."""
     count, first = 0, np.nan
@@ -115,7 +119,7 @@ def frame_rate(time_s: Float) -> float:
 
 def path_lines(
     camera: PoolCamera, track: Track, columns: Mapping[str, Float], depth_m: float
-) -> tuple[Line, ...]:
+) -> tuple[OverlayPath, ...]:
     """Measured path and model paths in pixels.
 
     Order and width keep all of them visible where they coincide: measured wide, after narrow,
@@ -126,13 +130,13 @@ def path_lines(
         return pool_to_pixels(camera, np.column_stack([x, y, np.full(len(x), -depth_m)]))
 
     measured = projected(track.x_m, track.y_m)
-    lines = [Line("measured path", track.time_s, measured, MEASURED_BGR, width_px=6)]
+    lines = [OverlayPath("measured path", track.time_s, measured, MEASURED_BGR, width_px=6)]
     before = "model before" if "extended_x_m" in columns else "model"
     names = {"extended": ("model after", AFTER_BGR, False), "joint": (before, BEFORE_BGR, True)}
     for prefix, (name, colour, dashed) in names.items():
         if f"{prefix}_x_m" in columns:
             path_px = projected(columns[f"{prefix}_x_m"], columns[f"{prefix}_y_m"])
-            lines.append(Line(name, columns["time_s"], path_px, colour, dashed))
+            lines.append(OverlayPath(name, columns["time_s"], path_px, colour, dashed))
     return tuple(lines)
 
 
@@ -155,7 +159,7 @@ def _trial_label(trial: Trial) -> str:
     )
 
 
-def _scene_background(one: Frame | float, scene: Scene, size: tuple[int, int]) -> BgrImage:
+def _scene_background(one: Frame | float, scene: OverlayContent, size: tuple[int, int]) -> BgrImage:
     if not isinstance(one, Frame):
         return scene.background.copy()
     whole = one.bgr if one.bgr is not None else cv2.cvtColor(one.luma, cv2.COLOR_GRAY2BGR)

@@ -16,7 +16,7 @@ BgrImage = npt.NDArray[np.uint8]
 Colour = tuple[int, int, int]
 
 STRIP_HEIGHT_PX = 40
-MAX_OFFSET_S = 1 / 60
+MAX_DETECTION_TO_FRAME_S = 1 / 60
 """Largest time between a detection and the frame it is drawn on."""
 FRACTIONAL_BITS = 4  # OpenCV draws at 1/16 px with this many fractional bits
 
@@ -29,7 +29,7 @@ KEYPOINT_BGR: Colour = (80, 240, 250)
 
 
 @dataclass(frozen=True)
-class Line:
+class OverlayPath:
     """A path in pixels of the raw frame, (n, 2), with its times, (n,), s."""
 
     name: str
@@ -41,17 +41,19 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Scene:
+class OverlayContent:
     """Content drawn on the frames of a trial; size_px: width and height of the raw frame."""
 
     label: str
     size_px: tuple[int, int]
-    lines: tuple[Line, ...]
+    lines: tuple[OverlayPath, ...]
     keypoints: Keypoints | None = None
     background: BgrImage = field(default_factory=lambda: np.zeros((0, 0, 3), np.uint8))
 
 
-def annotated_frame(picture: BgrImage, scene: Scene, time_s: float, scale: float) -> BgrImage:
+def annotated_frame(
+    picture: BgrImage, scene: OverlayContent, time_s: float, scale: float
+) -> BgrImage:
     """The frame with paths up to `time_s`, the keypoints at that time, and a legend."""
     canvas = np.ascontiguousarray(picture)
     for line in scene.lines:
@@ -80,7 +82,7 @@ def empty_pool(camera: PoolCamera, width_px: int) -> BgrImage:
     return canvas
 
 
-def _draw_line(canvas: BgrImage, line: Line, time_s: float, scale: float) -> None:
+def _draw_line(canvas: BgrImage, line: OverlayPath, time_s: float, scale: float) -> None:
     shown = (line.time_s <= time_s + 1e-6) & np.isfinite(line.xy_px).all(axis=1)
     path = scale * line.xy_px[shown]
     if len(path) == 0:
@@ -97,7 +99,7 @@ def _draw_line(canvas: BgrImage, line: Line, time_s: float, scale: float) -> Non
 
 def _draw_points(canvas: BgrImage, found: Keypoints, time_s: float, scale: float) -> None:
     i = int(np.argmin(np.abs(found.time_s - time_s)))
-    if abs(found.time_s[i] - time_s) > MAX_OFFSET_S:
+    if abs(found.time_s[i] - time_s) > MAX_DETECTION_TO_FRAME_S:
         return
     sure = is_confident(found.likelihood[i]) & np.isfinite(found.xy_px[i]).all(axis=1)
     for point in scale * found.xy_px[i][sure]:
@@ -136,7 +138,7 @@ def _fixed_point(points: Float) -> npt.NDArray[np.int32]:
     return np.round(np.clip(points, -1e5, 1e5) * (1 << FRACTIONAL_BITS)).astype(np.int32)
 
 
-def _strip(scene: Scene, time_s: float, width: int) -> BgrImage:
+def _strip(scene: OverlayContent, time_s: float, width: int) -> BgrImage:
     """Label, time and legend, (STRIP_HEIGHT_PX, width, 3)."""
     strip = np.full((STRIP_HEIGHT_PX, width, 3), STRIP_BGR, np.uint8)
     _write_text(strip, f"{scene.label}   t = {time_s:.2f} s", (8, 15), MEASURED_BGR)

@@ -13,7 +13,7 @@ from markupsafe import Markup
 from ..campaign import Campaign
 from ..files import write_text
 from . import findings, held_out_errors, identifiability, tables
-from .media import Clip, Picture, clips, pictures, plotting_library
+from .media import FigureDataUri, OverlayClip, embedded_overlay_clips, pictures, plotting_library
 from .settings import software_versions, study_settings
 from .trials import excluded_trials, trial_cards
 
@@ -34,24 +34,26 @@ def write_report(
     """
     beside = Path(path).parent
     shown = pictures(figures, Path(figures_dir), beside)
-    videos = clips(Path(overlays_dir), beside, campaign)
+    videos = embedded_overlay_clips(Path(overlays_dir), beside, campaign)
     write_text(path, report_html(campaign, shown, videos))
 
 
-def report_html(campaign: Campaign, shown: Sequence[Picture], videos: Mapping[str, Clip]) -> str:
+def report_html(
+    campaign: Campaign, shown: Sequence[FigureDataUri], videos: Mapping[str, OverlayClip]
+) -> str:
     """Text of the page."""
     return load_template(
         "page.html",
         name=campaign.study.root.name or "study",
-        summary=findings.summary(campaign),
+        summary=findings.study_summary_sentence(campaign),
         verdict=findings.verdict(campaign),
-        warnings=findings.warnings(campaign),
-        key_figures=findings.key_figures(campaign),
-        causes=findings.causes(campaign),
+        warnings=findings.campaign_warnings(campaign),
+        key_figures=findings.headline_values(campaign),
+        causes=findings.cause_texts(campaign),
         where=findings.dependence_rows(campaign),
-        probabilities=findings.probabilities(campaign),
-        rivals=findings.rivals(campaign),
-        next_trial=findings.next_trial(campaign),
+        probabilities=findings.probability_table_rows(campaign),
+        rivals=findings.rival_cause_texts(campaign),
+        next_trial=findings.next_trial_sentence(campaign),
         held_out=held_out_errors.error_rows(campaign),
         held_out_text=held_out_errors.table_text(campaign),
         held_out_columns=held_out_errors.column_headings(campaign),
@@ -60,7 +62,7 @@ def report_html(campaign: Campaign, shown: Sequence[Picture], videos: Mapping[st
         joint=tables.joint_fit_rows(campaign),
         joint_notes=tables.joint_notes(campaign),
         spectrum=identifiability.fisher_spectrum(campaign),
-        profiles=identifiability.profiles(campaign),
+        profiles=identifiability.likelihood_profile_curves(campaign),
         table_1=tables.table_1(campaign),
         table_2=tables.table_2(campaign),
         columns=tables.COEFFICIENT_COLUMNS,

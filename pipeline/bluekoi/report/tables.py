@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..campaign import Campaign
-from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT
+from ..model import HYDRODYNAMIC_COEFFICIENTS, PUBLISHED_FLAP_HZ, TABLE_1, TABLE_2_PCT
 from .findings import Row
 from .identifiability import as_power_product
 from .numbers import (
@@ -20,7 +20,9 @@ from .numbers import (
     value_with_interval,
 )
 
-COEFFICIENT_COLUMNS = tuple((p.name, format_unit(p.unit), p.meaning) for p in COEFFICIENTS)
+COEFFICIENT_COLUMNS = tuple(
+    (p.name, format_unit(p.unit), p.meaning) for p in HYDRODYNAMIC_COEFFICIENTS
+)
 """Name, unit and meaning of each coefficient."""
 
 
@@ -79,14 +81,16 @@ def _table_1_rows(power: str, entry: Mapping[str, Any]) -> dict[str, Any]:
             not (cells.get(p.name) or {}).get("determined", False),
             str((cells.get(p.name) or {}).get("why") or ""),
         )
-        for p in COEFFICIENTS
+        for p in HYDRODYNAMIC_COEFFICIENTS
     ]
     return {
         "power": f"{float(power):g} %",
         "flap": format_number(entry.get("flap_hz")),
         "cells": cells_here,
-        "paper_flap": format_number(FLAP_HZ.get(round(float(power)))),
-        "paper": [format_number(published.get(p.name)) for p in COEFFICIENTS] if published else [],
+        "paper_flap": format_number(PUBLISHED_FLAP_HZ.get(round(float(power)))),
+        "paper": [format_number(published.get(p.name)) for p in HYDRODYNAMIC_COEFFICIENTS]
+        if published
+        else [],
     }
 
 

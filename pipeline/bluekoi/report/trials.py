@@ -13,7 +13,7 @@ from ..data import Float
 from ..figures.drawing.held_out import evaluated_on_fitted_trials, evaluated_trials
 from ..study import Trial
 from .explorer import packed_series
-from .media import Clip
+from .media import OverlayClip
 from .numbers import format_number, value_with_interval
 
 THUMBNAIL_POINTS = 60
@@ -47,14 +47,14 @@ class TrialCard:
     lines: tuple[tuple[str, str], ...]
     box: str
     pool: tuple[float, float]
-    clip: Clip | None
+    clip: OverlayClip | None
     series: str
     power: str
     held_out: bool
     analysed: bool
 
 
-def trial_cards(campaign: Campaign, clips: Mapping[str, Clip]) -> list[TrialCard]:
+def trial_cards(campaign: Campaign, clips: Mapping[str, OverlayClip]) -> list[TrialCard]:
     """A card for every trial of the study, analysed or not."""
     held_out = set() if evaluated_on_fitted_trials(campaign) else set(evaluated_trials(campaign))
     return [
@@ -69,7 +69,9 @@ def excluded_trials(campaign: Campaign) -> list[tuple[str, str]]:
     return [(trial.trial_id, why.replace(folder, "")) for trial, why in campaign.left_out]
 
 
-def _trial_card(campaign: Campaign, trial: Trial, clip: Clip | None, held_out: bool) -> TrialCard:
+def _trial_card(
+    campaign: Campaign, trial: Trial, clip: OverlayClip | None, held_out: bool
+) -> TrialCard:
     done = trial.trial_id in {t.trial_id for t in campaign.analysed}
     steady = campaign.steady.get(trial.trial_id) if done else None
     status = campaign.statuses.get(trial.trial_id) or {}

@@ -10,11 +10,11 @@ import numpy as np
 from ..data import MIN_POSE_FRAMES, Float, Pose, Track
 from ..errors import input_error
 from .gaps import with_calibrated_gaps
-from .grid import Grid, filter_grid
+from .grid import FilterTimeGrid, filter_grid
 from .kalman_filterpy import filter_and_smooth
 from .kalman_numba import compiled_filter_and_smooth
 from .linear_gaussian import SmoothedStates
-from .noise_fit import FittedModel
+from .noise_fit import FittedMotionModel
 from .nominal_motion import rough_speed
 from .speed import speed_and_std
 from .state_space_fit import KnownMotion, cost_with_moving_start, fit_angle, fit_position
@@ -22,10 +22,10 @@ from .state_space_fit import KnownMotion, cost_with_moving_start, fit_angle, fit
 MIN_LOG_LIK_GAIN_MOVING = 12.0
 """Gain in twice the log likelihood that decides between a start from rest and one in motion; in
 doubt the body starts from rest, as trials do."""
-Pair = tuple[FittedModel, FittedModel]
+HeadingAndPositionModels = tuple[FittedMotionModel, FittedMotionModel]
 
 
-def smooth(pose: Pose, flap_hz: float) -> Track:
+def smooth_pose(pose: Pose, flap_hz: float) -> Track:
     """Mean motion of the trial by Kalman filter and smoother; see `motion` for the model.
 
     Velocities and the yaw rate are states of the filter, the derivative of the smoothed position
@@ -40,8 +40,8 @@ def smooth(pose: Pose, flap_hz: float) -> Track:
 
 
 def smooth_with_noise_ratio(pose: Pose, flap_hz: float) -> tuple[Track, tuple[float, float]]:
-    """As `smooth`, and the variance of the measurement noise found over that stated, of positions
-    and heading.
+    """As `smooth_pose`, and the variance of the measurement noise found over that stated, of
+    positions and heading.
     """
     _check_enough_frames(pose)
     beats = float(flap_hz) * float(np.ptp(pose.time_s))
@@ -67,7 +67,7 @@ def smooth_with_noise_ratio(pose: Pose, flap_hz: float) -> tuple[Track, tuple[fl
     return track, (plane.noise_ratio, heading.noise_ratio)
 
 
-def _smooth_with_calibrated_gaps(fitted: FittedModel, coords: int) -> SmoothedStates:
+def _smooth_with_calibrated_gaps(fitted: FittedMotionModel, coords: int) -> SmoothedStates:
     state = filter_and_smooth(fitted.model, fitted.used)
     return with_calibrated_gaps(fitted.model, fitted.used, state, coords)
 
@@ -81,7 +81,9 @@ def _check_enough_frames(pose: Pose) -> None:
         )
 
 
-def _fitted_models(values: Float, cov: Float, grid: Grid, hz: float) -> Pair:
+def _fitted_models(
+    values: Float, cov: Float, grid: FilterTimeGrid, hz: float
+) -> HeadingAndPositionModels:
     """Models of heading and position, both at rest in the first frame or both moving.
 
     If one of the two shows coloured noise, both are tried with it: a steady line with coloured
@@ -89,7 +91,9 @@ def _fitted_models(values: Float, cov: Float, grid: Grid, hz: float) -> Pair:
     """
     speed = rough_speed(values[:, :2], cov[:, :2, :2], grid)
 
-    def fit(resting: bool, near: Pair | tuple[None, None], coloured: Sequence[bool]) -> Pair:
+    def fit(
+        resting: bool, near: HeadingAndPositionModels | tuple[None, None], coloured: Sequence[bool]
+    ) -> HeadingAndPositionModels:
         common: dict[str, Any] = {"flap_hz": hz, "resting": resting}
         one, other = ({**common, "near": n, "coloured": c}
                       for n, c in zip(near, coloured, strict=True))  # fmt: skip
@@ -109,7 +113,9 @@ def _fitted_models(values: Float, cov: Float, grid: Grid, hz: float) -> Pair:
     return moving if gain > MIN_LOG_LIK_GAIN_MOVING else rest
 
 
-def _smooth_head_angle(angle: Float, variance: Float, grid: Grid, hz: float) -> dict[str, Float]:
+def _smooth_head_angle(
+    angle: Float, variance: Float, grid: FilterTimeGrid, hz: float
+) -> dict[str, Float]:
     """Head angle by a model of its own; NaN where it is seen in fewer than 8 frames."""
     n = int(grid.frame.sum())
     value, std = np.full(n, np.nan), np.full(n, np.nan)
@@ -145,7 +151,7 @@ def _recoil_in_pool_frame(move: Float, turn: Float, H: Float) -> Float:
 
 
 def _smoothing_remarks(
-    pose: Pose, grid: Grid, plane: FittedModel, heading: FittedModel
+    pose: Pose, grid: FilterTimeGrid, plane: FittedMotionModel, heading: FittedMotionModel
 ) -> tuple[str, ...]:
     seen = np.asarray(np.isfinite(pose.values[:, :3]).all(axis=1))
     used = (plane.used & heading.used)[grid.frame]

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..data import Mask
+from ..data import BoolNDArray
 from .kalman_numba import compiled_filter_and_smooth
 from .linear_gaussian import LinearGaussianModel, SmoothedStates
 
@@ -31,7 +31,7 @@ DECAY_GAP_LENGTHS = 3.0
 
 
 def with_calibrated_gaps(
-    model: LinearGaussianModel, used: Mask, state: SmoothedStates, coords: int
+    model: LinearGaussianModel, used: BoolNDArray, state: SmoothedStates, coords: int
 ) -> SmoothedStates:
     """The smoothed states, their covariance over gaps scaled by what artificial gaps show.
 
@@ -39,7 +39,7 @@ def with_calibrated_gaps(
     coords: how many leading states make the position, by which the factor is judged.
     """
     P = state.P.copy()
-    for first, last in true_runs(~used):
+    for first, last in index_ranges_of_true(~used):
         if last - first < MIN_GAP_NODES or first == 0 or last == len(used):
             continue
         factor = _variance_factor(model, used, state, (first, last), coords)
@@ -54,7 +54,11 @@ def with_calibrated_gaps(
 
 
 def _variance_factor(
-    model: LinearGaussianModel, used: Mask, state: SmoothedStates, gap: tuple[int, int], coords: int
+    model: LinearGaussianModel,
+    used: BoolNDArray,
+    state: SmoothedStates,
+    gap: tuple[int, int],
+    coords: int,
 ) -> float:
     """Factor of the variance over a gap: mean of d' d / tr cov(d) over artificial gaps.
 
@@ -89,7 +93,7 @@ def _variance_factor(
     return float(total / weight * (1 + 2 / (coords * weight)))
 
 
-def true_runs(mask: Mask) -> list[tuple[int, int]]:
+def index_ranges_of_true(mask: BoolNDArray) -> list[tuple[int, int]]:
     """First and one past the last index of each run in which `mask` (n,) holds."""
     ends = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
     return [(int(a), int(b)) for a, b in ends.reshape(-1, 2)]

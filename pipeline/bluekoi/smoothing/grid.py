@@ -7,14 +7,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..data import Float, Mask
+from ..data import BoolNDArray, Float
 
 MAX_STEP_FRAMES = 1.5
 """No step of the filter is longer than so many usual frame intervals."""
 
 
 @dataclass(frozen=True)
-class Grid:
+class FilterTimeGrid:
     """time_s, dt_s: (nodes,); frame: (nodes,) whether a node is a frame; scale_s: unit of time.
 
     The unit is the least number of whole tail beats that takes ten frames.
@@ -22,7 +22,7 @@ class Grid:
 
     time_s: Float
     dt_s: Float
-    frame: Mask
+    frame: BoolNDArray
     scale_s: float
 
     def on_nodes(self, values: Float) -> Float:
@@ -32,7 +32,7 @@ class Grid:
         return out
 
 
-def filter_grid(time_s: Float, flap_hz: float) -> Grid:
+def filter_grid(time_s: Float, flap_hz: float) -> FilterTimeGrid:
     """Nodes for frames at time_s (frames,), s; dropped frames leave room for nodes of their own."""
     usual = float(np.median(np.diff(time_s)))
     pieces, marks = [time_s[:1]], [np.array([True])]
@@ -42,4 +42,4 @@ def filter_grid(time_s: Float, flap_hz: float) -> Grid:
         marks.append(np.arange(1, count + 1) == count)
     nodes, frame = np.concatenate(pieces), np.concatenate(marks)
     scale = np.ceil(10 * usual * flap_hz) / flap_hz if flap_hz > 0 else 10 * usual
-    return Grid(nodes, np.diff(nodes, prepend=nodes[0]), frame, float(scale))
+    return FilterTimeGrid(nodes, np.diff(nodes, prepend=nodes[0]), frame, float(scale))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from filterpy.kalman import KalmanFilter
 
-from ..data import Float, Mask
+from ..data import BoolNDArray, Float
 from .kalman_numba import smooth_backward
 from .linear_gaussian import LinearGaussianModel, SmoothedStates
 
 
-def filter_and_smooth(model: LinearGaussianModel, used: Mask) -> SmoothedStates:
+def filter_and_smooth(model: LinearGaussianModel, used: BoolNDArray) -> SmoothedStates:
     """Smoothed states: filterpy's Kalman filter, then the backward pass of Bryson and Frazier.
 
     used: (n,) measurements that count; the others are gaps (`update(None)`). State and measurements

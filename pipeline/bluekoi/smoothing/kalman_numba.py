@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..data import Float, Mask
+from ..data import BoolNDArray, Float
 from ..vector_width import njit
 from .linear_gaussian import LinearGaussianModel, SmoothedStates
 
 LOG_2_PI = float(np.log(2 * np.pi))
 
 
-def minus_two_log_likelihood(model: LinearGaussianModel, used: Mask, gate: float) -> float:
+def minus_two_log_likelihood(model: LinearGaussianModel, used: BoolNDArray, gate: float) -> float:
     """Minus twice the log likelihood, innovations beyond the gate counted as lying on it.
 
     sum_k log det(2 pi S_k) + min(y_k' S_k^-1 y_k, gate)
@@ -26,7 +26,9 @@ def minus_two_log_likelihood(model: LinearGaussianModel, used: Mask, gate: float
     return float(_filter_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, gate, False)[0])
 
 
-def normalised_innovations_squared(model: LinearGaussianModel, used: Mask, gate: float) -> Float:
+def normalised_innovations_squared(
+    model: LinearGaussianModel, used: BoolNDArray, gate: float
+) -> Float:
     """Squared normalised innovation y' S^-1 y of each time, (n,); NaN where nothing was measured.
 
     Measurements beyond the gate do not enter the filter.
@@ -35,7 +37,7 @@ def normalised_innovations_squared(model: LinearGaussianModel, used: Mask, gate:
     return np.asarray(_filter_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, gate, False)[1])
 
 
-def compiled_filter_and_smooth(model: LinearGaussianModel, used: Mask) -> SmoothedStates:
+def compiled_filter_and_smooth(model: LinearGaussianModel, used: BoolNDArray) -> SmoothedStates:
     """States given all measurements used: equal to `kalman_filterpy.filter_and_smooth`."""
     c = model
     _, _, xp, Pp, Si, y = _filter_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, np.inf, True)
@@ -43,7 +45,7 @@ def compiled_filter_and_smooth(model: LinearGaussianModel, used: Mask) -> Smooth
 
 
 def smooth_backward(
-    model: LinearGaussianModel, used: Mask, *, means: Float, covs: Float, inverses: Float,
+    model: LinearGaussianModel, used: BoolNDArray, *, means: Float, covs: Float, inverses: Float,
     innovations: Float,
 ) -> SmoothedStates:  # fmt: skip
     """States given all measurements, from what a filter predicted.

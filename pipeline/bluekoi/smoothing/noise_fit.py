@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtri
 
-from ..data import Float, Mask
+from ..data import BoolNDArray, Float
 from . import kalman_numba
 from .linear_gaussian import LinearGaussianModel
 from .quasi_newton import minimise
@@ -18,7 +18,7 @@ GATE_TAIL_PROBABILITY = 1e-5
 
 
 @dataclass(frozen=True)
-class FittedModel:
+class FittedMotionModel:
     """A model with its most likely noise; the measurements of the first round and those used last.
 
     logs: logarithms of the noise over its units. cost: -2 log posterior, outliers at the gate.
@@ -27,8 +27,8 @@ class FittedModel:
     """
 
     model: LinearGaussianModel
-    first: Mask
-    used: Mask
+    first: BoolNDArray
+    used: BoolNDArray
     logs: Float
     cost: float
     noise_ratio: float
@@ -40,10 +40,16 @@ class FittedModel:
         return np.concatenate([self.logs[:-3], self.logs[-1:]]) if self.coloured else self.logs
 
 
-def fit_noise(
-    build: Callable[[Float], LinearGaussianModel], seen: Mask, *, first: Mask, spread: Float,
-    starts: Sequence[Float], more_starts: Sequence[Float] = (), rounds: int = 4,
-) -> FittedModel:  # fmt: skip
+def fit_process_noise(
+    build: Callable[[Float], LinearGaussianModel],
+    seen: BoolNDArray,
+    *,
+    first: BoolNDArray,
+    spread: Float,
+    starts: Sequence[Float],
+    more_starts: Sequence[Float] = (),
+    rounds: int = 4,
+) -> FittedMotionModel:
     """Model whose noise has the greatest posterior, outliers rejected.
 
     -2 log p = -2 log L(z | noise) + sum (log noise / spread)^2; the prior is weak (a factor
@@ -78,7 +84,7 @@ def fit_noise(
         used = kept if kept.sum() > 0.5 * seen.sum() else used
     model = build(logs)
     cost = _neg_two_log_posterior(model, seen, used, gate) + _neg_log_noise_prior(logs, spread)
-    return FittedModel(model, first, used, logs, cost, float(np.exp(logs[-1])))
+    return FittedMotionModel(model, first, used, logs, cost, float(np.exp(logs[-1])))
 
 
 def outlier_gate(size: int) -> float:
@@ -91,7 +97,7 @@ def _neg_log_noise_prior(logs: Float, spread: Float) -> float:
 
 
 def _neg_two_log_posterior(
-    model: LinearGaussianModel, seen: Mask, used: Mask, gate: float
+    model: LinearGaussianModel, seen: BoolNDArray, used: BoolNDArray, gate: float
 ) -> float:
     """Minus twice the log likelihood, rejected measurements as if they lay on the gate."""
     rejected = model.R[seen & ~used]
@@ -100,7 +106,9 @@ def _neg_two_log_posterior(
     )
 
 
-def _measurements_within_gate(model: LinearGaussianModel, used: Mask, gate: float) -> Mask:
+def _measurements_within_gate(
+    model: LinearGaussianModel, used: BoolNDArray, gate: float
+) -> BoolNDArray:
     if not np.isfinite(gate):
         return used
     squares = kalman_numba.normalised_innovations_squared(model, used, gate)
@@ -109,7 +117,7 @@ def _measurements_within_gate(model: LinearGaussianModel, used: Mask, gate: floa
 
 def _minimise_noise_cost(
     build: Callable[[Float], LinearGaussianModel],
-    used: Mask,
+    used: BoolNDArray,
     gate: float,
     start: Float,
     spread: Float,
@@ -123,7 +131,7 @@ def _minimise_noise_cost(
     return minimise(cost, start)
 
 
-def _squared_deletion_residuals(model: LinearGaussianModel, used: Mask) -> Float:
+def _squared_deletion_residuals(model: LinearGaussianModel, used: BoolNDArray) -> Float:
     """Squared normalised distance of each measurement from what all the others say, (n,).
 
     With e = z - H x, and V = R - H P H' where the measurement was used, R + H P H' where not, the

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from .grid import Grid
+from .grid import FilterTimeGrid
 from .kalman_numba import compiled_filter_and_smooth
 from .linear_gaussian import LinearGaussianModel
 from .motion import planar_matrices
@@ -21,12 +21,12 @@ MIN_POSITION_STD_SHARE = 0.05
 """Least noise of the rough filter's positions, in usual speeds times the unit of time."""
 
 
-def rough_speed(xy: Float, cov: Float, grid: Grid) -> Float:
+def rough_speed(xy: Float, cov: Float, grid: FilterTimeGrid) -> Float:
     """Speed (nodes,) by a filter with white acceleration that follows a start but no tail beat."""
     data = screen_measurements(xy, cov, grid)
     n, T = len(xy), grid.scale_s
     noise = np.array([NO_DECAY_S, RELATIVE_ACCELERATION_DENSITY * data.speed**2 / T, 0.0, 0.0, 1.0])
-    F, Q = planar_matrices(noise, grid.dt_s, 0.0, steady_motion(n), np.zeros(n))
+    F, Q = planar_matrices(noise, grid.dt_s, 0.0, nominal_motion_without_onset(n), np.zeros(n))
     F, Q = np.ascontiguousarray(F[:, :4, :4]), np.ascontiguousarray(Q[:, :4, :4])
     R = max(data.variance, (MIN_POSITION_STD_SHARE * data.speed * T) ** 2) * np.eye(2)
     P0 = np.diag(np.repeat([np.ptp(data.z) ** 2 + R[0, 0], 9 * data.speed**2], 2))
@@ -38,7 +38,7 @@ def rough_speed(xy: Float, cov: Float, grid: Grid) -> Float:
     )
 
 
-def steady_motion(nodes: int) -> Float:
+def nominal_motion_without_onset(nodes: int) -> Float:
     """Nominal motion (nodes, 3) at the usual speed, without onset or heading noise."""
     return np.tile([0.0, 1.0, 0.0], (nodes, 1))
 

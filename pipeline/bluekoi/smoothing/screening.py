@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..data import Float, Mask
-from .grid import Grid
+from ..data import BoolNDArray, Float
+from .grid import FilterTimeGrid
 
 
 @dataclass(frozen=True)
@@ -21,15 +21,15 @@ class ScreenedMeasurements:
 
     z: Float
     R: Float
-    seen: Mask
-    plausible: Mask
+    seen: BoolNDArray
+    plausible: BoolNDArray
     onset: Float
     speed: float
     variance: float
     span_s: float
 
 
-def screen_measurements(z: Float, R: Float, grid: Grid) -> ScreenedMeasurements:
+def screen_measurements(z: Float, R: Float, grid: FilterTimeGrid) -> ScreenedMeasurements:
     """Measurements of z (nodes, m) with covariance R (nodes, m, m), NaN where not seen."""
     seen = np.asarray(np.isfinite(z).all(axis=1) & np.isfinite(R).all(axis=(1, 2)))
     m = z.shape[1]
@@ -51,7 +51,7 @@ def screen_measurements(z: Float, R: Float, grid: Grid) -> ScreenedMeasurements:
     )
 
 
-def _agrees_with_neighbours(z: Float) -> Mask:
+def _agrees_with_neighbours(z: Float) -> BoolNDArray:
     """Points (n,) within 8 robust deviations of what their neighbours say.
 
     Neighbours say the median of (z[k-j] + z[k+j]) / 2, j = 1, 2, 3, and at the ends that of the
@@ -69,7 +69,7 @@ def _agrees_with_neighbours(z: Float) -> Mask:
     return np.asarray((away <= 8 * np.maximum(scale, 1e-12)).all(axis=1))
 
 
-def _onset_window(grid: Grid, time_s: Float, z: Float) -> Float:
+def _onset_window(grid: FilterTimeGrid, time_s: Float, z: Float) -> Float:
     """Window exp(-|t - t_start| / T) around the onset of the motion, (nodes,).
 
     Onset: where the path leaves its first place by a fiftieth of its extent.

@@ -9,11 +9,11 @@ import numpy as np
 
 from ..data import Float
 from .coloured_noise import with_coloured_noise
-from .grid import Grid
+from .grid import FilterTimeGrid
 from .kalman_numba import minus_two_log_likelihood
 from .linear_gaussian import LinearGaussianModel
 from .motion import heading_matrices, planar_matrices, planar_measurement
-from .noise_fit import FittedModel, fit_noise, outlier_gate
+from .noise_fit import FittedMotionModel, fit_process_noise, outlier_gate
 from .nominal_motion import nominal_motion
 from .screening import ScreenedMeasurements, screen_measurements
 
@@ -65,9 +65,16 @@ class KnownMotion:
 
 
 def fit_angle(
-    angle: Float, variance: Float, grid: Grid, *, speed: Float, flap_hz: float, resting: bool,
-    coloured: bool = False, near: FittedModel | None = None,
-) -> FittedModel:  # fmt: skip
+    angle: Float,
+    variance: Float,
+    grid: FilterTimeGrid,
+    *,
+    speed: Float,
+    flap_hz: float,
+    resting: bool,
+    coloured: bool = False,
+    near: FittedMotionModel | None = None,
+) -> FittedMotionModel:
     """Most likely model of an angle (nodes,) [rad, unwrapped] with its variance, NaN if not seen.
 
     speed: (nodes,) of the body, m/s. resting: it does not turn in the first frame. coloured: try
@@ -87,9 +94,16 @@ def fit_angle(
 
 
 def fit_position(
-    xy: Float, cov: Float, grid: Grid, *, known: KnownMotion, flap_hz: float, resting: bool,
-    coloured: bool = False, near: FittedModel | None = None,
-) -> FittedModel:  # fmt: skip
+    xy: Float,
+    cov: Float,
+    grid: FilterTimeGrid,
+    *,
+    known: KnownMotion,
+    flap_hz: float,
+    resting: bool,
+    coloured: bool = False,
+    near: FittedMotionModel | None = None,
+) -> FittedMotionModel:
     """Most likely model of a position (nodes, 2) [m] with its covariance (nodes, 2, 2).
 
     resting: at rest in the first frame. coloured, near: as for `fit_angle`.
@@ -104,7 +118,7 @@ def fit_position(
     )  # fmt: skip
 
 
-def cost_with_moving_start(fitted: FittedModel) -> float:
+def cost_with_moving_start(fitted: FittedMotionModel) -> float:
     """Cost of a model fitted from rest, were the body moving in the first frame; same noise."""
     model = fitted.model
     m = model.z.shape[1]
@@ -120,14 +134,14 @@ def cost_with_moving_start(fitted: FittedModel) -> float:
 
 def _fit_motion_model(
     data: ScreenedMeasurements,
-    grid: Grid,
+    grid: FilterTimeGrid,
     H: Float,
     matrices: Callable[[Float], tuple[Float, Float]],
     *,
     resting: bool,
     coloured: bool,
-    near: FittedModel | None,
-) -> FittedModel:
+    near: FittedMotionModel | None,
+) -> FittedMotionModel:
     """Most likely model of these measurements; matrices gives (F, Q) for the noise."""
     m = data.z.shape[1]
     recoils = (H.shape[2] - 3 * m) // 2
@@ -154,7 +168,7 @@ def _fit_motion_model(
     T = grid.scale_s
     largest = np.log(np.array(MAX_RELATIVE_DENSITIES) * data.speed**2 / [T, T**3] / units[1:3])
     starts = _starting_log_noise(m, recoils, np.full(2, LOG_START_NOISE))
-    found = fit_noise(
+    found = fit_process_noise(
         build,
         data.seen,
         first=data.plausible,
@@ -168,13 +182,13 @@ def _fit_motion_model(
 
 
 def _with_coloured_noise_if_better(
-    found: FittedModel,
+    found: FittedMotionModel,
     build: Callable[[Float], LinearGaussianModel],
     data: ScreenedMeasurements,
-    grid: Grid,
+    grid: FilterTimeGrid,
     *,
     spread: Float,
-) -> FittedModel:
+) -> FittedMotionModel:
     """The model with coloured noise, where it is clearly better than the one found."""
     frame = float(np.median(grid.dt_s[1:]))
 
@@ -186,7 +200,7 @@ def _with_coloured_noise_if_better(
 
     quiet = found.logs.copy()
     quiet[1:3] = 0.0
-    other = fit_noise(
+    other = fit_process_noise(
         build_coloured,
         data.seen,
         first=data.plausible,
@@ -206,7 +220,7 @@ def _starting_log_noise(m: int, recoils: int, logs: Float) -> list[Float]:
     return [np.array([0.0, *pair, *others]) for pair in pairs]
 
 
-def _noise_units(data: ScreenedMeasurements, grid: Grid, recoils: int) -> Float:
+def _noise_units(data: ScreenedMeasurements, grid: FilterTimeGrid, recoils: int) -> Float:
     """Units of tau (s), density of rate and acceleration noise, start-up, share of sway, recoils.
 
     Variance of a steady rate: 12 R / (frames span^2), slope of a line through white noise.

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ..campaign import Campaign
-from ..data import Flapping, Pose, Steady, Track
+from ..data import FlappingFrequency, Pose, SteadyState, Track
 from ..measurement import clock_error
 from ..mismatch.wrong_clock import CLOCK_CAUSE
 from ..motor import common_clock_ratio, flapping_compared_with_video
@@ -42,7 +42,9 @@ class ClockFactor:
         return abs(self.value - 1.0) / self.std
 
 
-def clock_factors(study: Study, flapping: Mapping[str, Flapping]) -> dict[str, ClockFactor]:
+def clock_factors(
+    study: Study, flapping: Mapping[str, FlappingFrequency]
+) -> dict[str, ClockFactor]:
     """Trial -> factor of its frame rate, for trials whose clock is wrong by more than 25 %.
 
     A factor counts where most trials with one `fps` in trials.csv whose motor frequency is logged,
@@ -58,7 +60,9 @@ def clock_factors(study: Study, flapping: Mapping[str, Flapping]) -> dict[str, C
     return {name: factor for fps, factor in wrong.items() for name in groups[fps]}
 
 
-def _common_factor(flapping: Mapping[str, Flapping], names: list[str]) -> ClockFactor | None:
+def _common_factor(
+    flapping: Mapping[str, FlappingFrequency], names: list[str]
+) -> ClockFactor | None:
     known = [f for n in names if (f := flapping[n]).source != "video"]
     common = common_clock_ratio([f for f in known if f.source == "motor_log"] or known)
     return (
@@ -69,8 +73,8 @@ def _common_factor(flapping: Mapping[str, Flapping], names: list[str]) -> ClockF
 
 
 def correct_clock(
-    campaign: Campaign, flapping: Mapping[str, Flapping]
-) -> tuple[Campaign, dict[str, Flapping], dict[str, ClockFactor]]:
+    campaign: Campaign, flapping: Mapping[str, FlappingFrequency]
+) -> tuple[Campaign, dict[str, FlappingFrequency], dict[str, ClockFactor]]:
     """Campaign and flapping frequencies with the factors of `clock_factors` taken out."""
     factors = clock_factors(campaign.study, flapping)
     if not factors:
@@ -96,7 +100,7 @@ def _pose_in_true_time(pose: Pose, r: float) -> Pose:
     return replace(pose, time_s=r * pose.time_s)
 
 
-def _steady_in_true_time(row: Steady, r: float) -> Steady:
+def _steady_in_true_time(row: SteadyState, r: float) -> SteadyState:
     return replace(
         row,
         speed_m_s=row.speed_m_s / r,
@@ -106,7 +110,7 @@ def _steady_in_true_time(row: Steady, r: float) -> Steady:
     )
 
 
-def _flapping_in_true_time(flapping: Flapping, r: float) -> Flapping:
+def _flapping_in_true_time(flapping: FlappingFrequency, r: float) -> FlappingFrequency:
     """Frequencies with the ratio of clocks divided by r; the beat's lag is unknown after that."""
     bare = replace(flapping, ratio=np.nan, ratio_std=np.nan, video_hz=np.nan, video_hz_std=np.nan,
                    beat_lag_rad=np.nan, beat_lag_std_rad=np.nan, agrees=True)  # fmt: skip
@@ -131,9 +135,9 @@ def with_clock_cause(
     said = f"fps is {value:.4g} times the true frame rate{of}"
     cause = {
         "name": CLOCK_CAUSE,
-        "kind": clock_error.KIND,
-        "channels": list(clock_error.CHANNELS),
-        "regime": clock_error.REGIME if all_trials else f"trials {', '.join(alike)}",
+        "kind": clock_error.EFFECT_KIND,
+        "channels": list(clock_error.AFFECTED_CHANNELS),
+        "regime": clock_error.MOST_VISIBLE_WHERE if all_trials else f"trials {', '.join(alike)}",
         "parameters": {"rate_error": {"value": value - 1, "std": factor.std, "unit": "1"}},
         "weight": 1.0,
         "credible_set": [CLOCK_CAUSE],
@@ -146,7 +150,7 @@ def with_clock_cause(
     rest = f" In true time: {content['sentence']}"
     return {
         **content,
-        "verdict": clock_error.KIND,
+        "verdict": clock_error.EFFECT_KIND,
         "sentence": f"Measurement error: clock_error, {said} (or the motor log counts "
         f"{1 / factor.value:.4g} turns a tail beat: check both).{rest}",
         "causes": [cause, *others],

@@ -14,10 +14,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import Flapping, Float
-from ..fitting import Series
+from ..data import FlappingFrequency, Float
+from ..fitting import TrialSeries
 from ..mismatch.robot_problem import PRIORS
-from ..mismatch.wrong_clock import with_clock_part
+from ..mismatch.wrong_clock import with_clock_error_in_trials
 from .clock_factor import CLOCK_STD_SHARE
 
 STATED_FREQUENCY_STD_SHARE = (
@@ -34,8 +34,8 @@ MAX_DISTINCT_SHARE = 0.5
 
 
 def with_clock_measurement(
-    series: Sequence[Series], flapping: Mapping[str, Flapping]
-) -> list[Series]:
+    series: Sequence[TrialSeries], flapping: Mapping[str, FlappingFrequency]
+) -> list[TrialSeries]:
     """Series with the ratio of the tail beat seen to the motor's as evidence on the clock; that to
     a frequency stated for several trials is evidence on a sag of the supply as well.
 
@@ -55,10 +55,10 @@ def with_clock_measurement(
     stated = _stated_for_several(found)
     groups = [s.group for s in seen]
     floor = np.hypot(own, CLOCK_STD_SHARE)
-    wrong = None if stated else part_with_wrong_clock(ratio, floor, groups)
+    wrong = None if stated else trials_with_deviating_clock(ratio, floor, groups)
     if wrong is not None:
         return _with_clock_of_part(series, [s.name for s in seen], ratio, own, wrong)
-    within, between = variance_components(ratio, own**2, groups)
+    within, between = within_between_group_variances(ratio, own**2, groups)
     shared = between + (_stated_frequency_variance(seen, found) if stated else 0.0)
     std = np.sqrt(CLOCK_STD_SHARE**2 + own**2 + within + len(ratio) * shared)
     evidence = {s.name: (float(r), float(d)) for s, r, d in zip(seen, ratio, std, strict=True)}
@@ -69,7 +69,9 @@ def with_clock_measurement(
     ]
 
 
-def part_with_wrong_clock(ratio: Float, std: Float, groups: Sequence[str]) -> np.ndarray | None:
+def trials_with_deviating_clock(
+    ratio: Float, std: Float, groups: Sequence[str]
+) -> np.ndarray | None:
     """Which trials have a wrong clock (n,), by their ratios less 1 and the standard deviations of
     these; None unless a part of them stands apart. A part that holds all trials of its powers
     (groups) does not: a supply that sags under load has the same ratios.
@@ -103,8 +105,8 @@ def part_with_wrong_clock(ratio: Float, std: Float, groups: Sequence[str]) -> np
 
 
 def _with_clock_of_part(
-    series: Sequence[Series], seen: Sequence[str], ratio: Float, own: Float, wrong: np.ndarray
-) -> list[Series]:
+    series: Sequence[TrialSeries], seen: Sequence[str], ratio: Float, own: Float, wrong: np.ndarray
+) -> list[TrialSeries]:
     """Series of which those that stand apart have the error of the clock, and their ratios as
     evidence on it.
     """
@@ -118,10 +120,10 @@ def _with_clock_of_part(
         )
         for s in series
     ]
-    return with_clock_part(measured, known.keys())
+    return with_clock_error_in_trials(measured, known.keys())
 
 
-def variance_components(
+def within_between_group_variances(
     values: Float, variances: Float, groups: Sequence[str]
 ) -> tuple[float, float]:
     """Variance within and between groups, beyond the values' own variances (n,); at least 0.
@@ -139,7 +141,9 @@ def variance_components(
     return max(total - own, 0.0), max(float(np.var(means, ddof=1)) - of_means, 0.0)
 
 
-def _stated_frequency_variance(seen: Sequence[Series], found: Sequence[Flapping]) -> float:
+def _stated_frequency_variance(
+    seen: Sequence[TrialSeries], found: Sequence[FlappingFrequency]
+) -> float:
     """Variance of the ratio because a stated frequency is not that of the whole trial.
 
     A frequency that drifts through the range D in a trial passes the stated one at an unknown time,
@@ -150,6 +154,6 @@ def _stated_frequency_variance(seen: Sequence[Series], found: Sequence[Flapping]
     return STATED_FREQUENCY_STD_SHARE**2 + float(np.mean(ranges**2)) / 12.0
 
 
-def _stated_for_several(found: Sequence[Flapping]) -> bool:
+def _stated_for_several(found: Sequence[FlappingFrequency]) -> bool:
     stated = [b.flap_hz for b in found if b.source != "motor_log"]
     return len(stated) > 1 and len(set(stated)) <= MAX_DISTINCT_SHARE * len(stated)

@@ -8,10 +8,10 @@ import cv2
 
 from ..data import Frame
 from ..keypoints import silhouette
-from ..study import Setup, Trial
-from ..study.setup import Detection
+from ..study import StudySettings, Trial
+from ..study.setup import DetectionSettings
 from ..synthetic.campaign import study_contents
-from ..synthetic.conditions import Conditions
+from ..synthetic.conditions import FilmingConditions
 from ..synthetic.design import demo_design
 from ..synthetic.footage import render_frames
 from ..synthetic.trial import solve_trial
@@ -23,14 +23,14 @@ FRAME_STEP = 16
 def preload() -> None:
     """Detect the robot in a few small rendered frames, so that the detector is compiled."""
     cv2.setNumThreads(1)  # a process with threads of OpenCV cannot be forked
-    design = replace(demo_design(), conditions=Conditions(size_px=SIZE_PX))
+    design = replace(demo_design(), conditions=FilmingConditions(size_px=SIZE_PX))
     plan = design.plans[0]
     trial = solve_trial(design, plan.trial_id)
     few = replace(trial, time_s=trial.time_s[::FRAME_STEP])
     pictures = zip(few.time_s, render_frames(design, few), strict=True)
     film = [Frame(i, float(t), picture.luma) for i, (t, picture) in enumerate(pictures)]
-    setup = Setup(**study_contents(design), detection=Detection(body="rigid"))
-    silhouette.detect(lambda: film, setup, Trial(
+    setup = StudySettings(**study_contents(design), detection=DetectionSettings(body="rigid"))
+    silhouette.detect_keypoints(lambda: film, setup, Trial(
         trial_id=plan.trial_id, source=f"{plan.trial_id}.mp4", power_pct=plan.power_pct,
         head_angle_deg=plan.head_angle_deg, head_length_m=plan.head_length_m,
     ))  # fmt: skip

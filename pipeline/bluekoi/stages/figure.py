@@ -22,4 +22,4 @@ def preload() -> None:
     """Import all figures."""
     figures = import_module("bluekoi.figures")
     for name in figures.figure_names():
-        figures.title(name)
+        figures.figure_title(name)

@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..files import read_json
 from ..study import Study, Trial
 from .depth import keypoint_depth
-from .layout import Layout
+from .layout import ResultPaths
 
 MAX_COMPARED_BYTES = 2**20
 """Files up to this size are compared by content, larger ones (videos) by size and date."""
@@ -27,13 +27,15 @@ COLUMNS_NOT_READ = ("role", "power_pct", "head_angle_deg", "head_length_m", "mot
 """Columns of trials.csv without meaning for the reading of a keypoint file."""
 
 
-def status_file(stage: str, layout: Layout, trial_id: str) -> Path:
+def status_file(stage: str, layout: ResultPaths, trial_id: str) -> Path:
     """File in which a stage reports on one trial."""
     known = {"keypoints": layout.detection, "tracks": layout.status, "overlay": layout.overlaid}
     return known[stage](trial_id)
 
 
-def trial_inputs_hash(stage: str, study: Study, trial: Trial, layout: Layout, code: str) -> str:
+def trial_inputs_hash(
+    stage: str, study: Study, trial: Trial, layout: ResultPaths, code: str
+) -> str:
     """Hash of all that the results of a stage for one trial depend on.
 
     code: hash of the source files that the stage runs.
@@ -60,7 +62,7 @@ def is_fresh(status: Path, results: Path, inputs: str) -> bool:
     return whole and found.get("inputs") == inputs
 
 
-def _detection_inputs(study: Study, trial: Trial, _: Layout) -> list[Any]:
+def _detection_inputs(study: Study, trial: Trial, _: ResultPaths) -> list[Any]:
     files, setup = file_states(study.paths(trial)), study.setup
     if not trial.reads_keypoints:
         return [without_keys(trial_row(trial), "role"), setup.model_dump(mode="json"), files]
@@ -72,7 +74,7 @@ def _detection_inputs(study: Study, trial: Trial, _: Layout) -> list[Any]:
     ]
 
 
-def _motion_inputs(study: Study, trial: Trial, layout: Layout) -> list[Any]:
+def _motion_inputs(study: Study, trial: Trial, layout: ResultPaths) -> list[Any]:
     setup = without_keys(study.setup.model_dump(mode="json"), "detection")
     log = study.motor_path(trial)
     depth_m = keypoint_depth(study.setup, layout)
@@ -81,7 +83,7 @@ def _motion_inputs(study: Study, trial: Trial, layout: Layout) -> list[Any]:
     return [without_keys(trial_row(trial), "role"), setup, given, depth_m, files]
 
 
-def _overlay_inputs(study: Study, trial: Trial, layout: Layout) -> list[Any]:
+def _overlay_inputs(study: Study, trial: Trial, layout: ResultPaths) -> list[Any]:
     films = [] if trial.reads_keypoints else list(study.paths(trial))
     fits = (layout.status(trial.trial_id), layout.coefficients, layout.mismatch)
     return [_motion_inputs(study, trial, layout), [*file_states(films), *map(file_state, fits)]]

@@ -27,7 +27,7 @@ from ..files import read_json, write_json
 from ..keypoints.deeplabcut import read_detections
 from ..study import Study, Trial, load_study
 from ..study.keypoint_depth import select_keypoint_depth_m
-from .layout import Layout
+from .layout import ResultPaths
 from .status import has_measured_lengths, successful_trials
 
 LENGTHS_NOT_MEASURED = (
@@ -52,7 +52,7 @@ def geometry(study: Path, results: Path) -> None:
     pool, and what the likely error predicts there. windows: means of the distances over half a
     second, which the mismatch stage compares errors of the camera with.
     """
-    loaded, layout = load_study(study), Layout(results)
+    loaded, layout = load_study(study), ResultPaths(results)
     ids = [trial.trial_id for trial in loaded.trials]
     good = successful_trials([layout.detection(trial_id) for trial_id in ids])
     measured = [name for name in good if has_measured_lengths(layout.detection(name))]
@@ -66,7 +66,7 @@ def geometry(study: Path, results: Path) -> None:
     write_json(layout.geometry, usual | found)
 
 
-def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:
+def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: ResultPaths) -> dict[str, Any]:
     setup, depth = study.setup, study.setup.robot.keypoint_depth_m
     if not trials:
         return _unknown_scale_json("no trial with keypoints")
@@ -91,7 +91,9 @@ def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: Layout) -> 
     }
 
 
-def _check_by_whole_lengths(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:
+def _check_by_whole_lengths(
+    study: Study, trials: list[Trial], layout: ResultPaths
+) -> dict[str, Any]:
     """Scale by the body's whole length, where keypoints lie at stated lengths."""
     setup, depth = study.setup, study.setup.robot.keypoint_depth_m
     seen = [read_json(layout.detection(t.trial_id)).get("length_seen") or [] for t in trials]
@@ -122,13 +124,13 @@ def _check_by_whole_lengths(study: Study, trials: list[Trial], layout: Layout) -
     }
 
 
-def _trial_camera(study: Study, trial: Trial, layout: Layout) -> PoolCamera:
+def _trial_camera(study: Study, trial: Trial, layout: ResultPaths) -> PoolCamera:
     size = read_json(layout.detection(trial.trial_id)).get("size_px")
     return pool_camera(study.setup, (size[0], size[1]) if size else None)
 
 
 def _placed_lengths(
-    camera: PoolCamera, trials: list[Trial], layout: Layout, depth_m: float
+    camera: PoolCamera, trials: list[Trial], layout: ResultPaths, depth_m: float
 ) -> list[Positions]:
     found = (read_detections(layout.keypoints(trial.trial_id), trial) for trial in trials)
     return [map_keypoints(camera, one, depth_m) for one in found]

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..camera.pool_projection import PoolCamera, map_keypoints
-from ..errors import Finding, InputError
+from ..errors import InputError, InputIssue
 from ..pose import rigid_pose
 from ..pose.plausibility import plausibility_findings
 from ..study import Study, Trial
@@ -22,16 +22,18 @@ MIN_FOUND_SHARE = 0.5
 """Share of the frames in which the robot must be found with the other sign."""
 
 
-def sign_finding(study: Study, trial: Trial, camera: PoolCamera, depth_m: float) -> Finding | None:
+def head_angle_sign_finding(
+    study: Study, trial: Trial, camera: PoolCamera, depth_m: float
+) -> InputIssue | None:
     """The head angle of the other sign, if the robot in the footage passes all checks with it."""
     angle = trial.head_angle_deg
     if trial.reads_keypoints or angle == 0:
         return None
     other = trial.model_copy(update={"head_angle_deg": -angle})
-    found = _passes(lambda: _found_share(study, other, camera, depth_m))
+    found = _share_or_zero(lambda: _found_share(study, other, camera, depth_m))
     if found < MIN_FOUND_SHARE:
         return None
-    return Finding(
+    return InputIssue(
         str(study.root / "trials.csv"),
         f"trial {trial.trial_id}, column head_angle_deg",
         f"{angle:g}, with which the robot in the video is not found as it is",
@@ -51,7 +53,7 @@ def _found_share(study: Study, trial: Trial, camera: PoolCamera, depth_m: float)
     return float(np.isfinite(pose.values[:, 0]).mean())
 
 
-def _passes(share: Callable[[], float]) -> float:
+def _share_or_zero(share: Callable[[], float]) -> float:
     """A share of frames; 0 if nothing can be detected."""
     try:
         return share()

@@ -12,10 +12,10 @@ import numpy as np
 from .. import keypoints as sources
 from ..data import Float, Frame, Keypoints
 from ..errors import InputError, input_error
-from ..keypoints.deeplabcut import write
+from ..keypoints.deeplabcut import write_keypoints_csv
 from ..study import Study, Trial, load_study, missing_files_of_trial
 from ..study.frame_count import check_frame_count
-from .layout import Layout
+from .layout import ResultPaths
 from .status import run_with_status
 
 MIN_LOST_FRAMES = 3
@@ -28,7 +28,7 @@ def keypoints(
     study: Path, results: Path, trial_id: str, *, threads: int = 1, inputs: str = ""
 ) -> None:
     """Write keypoints/ID.csv, its covariances and how it went."""
-    loaded, layout = load_study(study, only=trial_id), Layout(results)
+    loaded, layout = load_study(study, only=trial_id), ResultPaths(results)
     trial = loaded.trial(trial_id)
     run_with_status(
         layout.detection(trial_id),
@@ -53,7 +53,7 @@ def _write_detection(study: Study, trial: Trial, path: Path, threads: int) -> di
         raise input_error(
             study.paths(trial)[0], "", "no frames", "frames between start_s and end_s"
         )
-    write(path, found)
+    write_keypoints_csv(path, found)
     notes = notes | {"length_seen": sampled_lengths(found)}
     return {"remarks": list(found.remarks), "frames_read": len(found.time_s), **notes}
 
@@ -68,7 +68,7 @@ def sampled_lengths(found: Keypoints) -> list[list[float]]:
 
 
 def _read_keypoint_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str, Any]]:
-    found = sources.source_module("deeplabcut").read(
+    found = sources.source_module("deeplabcut").read_keypoints_of_trial(
         study.paths(trial)[0], trial, study.setup.bodyparts
     )
     check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
@@ -95,7 +95,9 @@ def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoin
     def film() -> Iterable[Frame]:
         return frames(recording, colour=colour)
 
-    found = detector.detect(film, setup_in_film_pixels(study.setup, recording.size_px), trial)
+    found = detector.detect_keypoints(
+        film, setup_in_film_pixels(study.setup, recording.size_px), trial
+    )
     found = replace(
         found, remarks=(*found.remarks, *unreadable_frames_remark(trial, recording, found.time_s))
     )

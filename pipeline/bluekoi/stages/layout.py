@@ -6,12 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-COPY_S = 2.0
+COPY_TIME_TOLERANCE_S = 2.0
 """Files of one folder that is copied get dates that lie so close together, in any order."""
 
 
 @dataclass(frozen=True)
-class Layout:
+class ResultPaths:
     """Paths below one results folder; `{}` of a trial is its trial_id."""
 
     root: Path
@@ -106,7 +106,7 @@ class Layout:
         if not all(path.is_file() for path in (*made_from, self.report)):
             return False
         newest = max(path.stat().st_mtime for path in made_from)
-        return self.report.stat().st_mtime > newest - COPY_S
+        return self.report.stat().st_mtime > newest - COPY_TIME_TOLERANCE_S
 
     @property
     def last_results(self) -> tuple[Path, ...]:

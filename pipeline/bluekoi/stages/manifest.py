@@ -17,7 +17,7 @@ from ..files import read_json, write_json
 from ..study import Study, load_study
 from .freshness import trial_row
 
-RUN_VARIABLE = "BLUEKOI_RUN"
+RUN_ENVIRONMENT_VARIABLE = "BLUEKOI_RUN"
 """Environment variable with the run's command, settings and code, as json."""
 
 
@@ -33,7 +33,7 @@ def write_manifest(study: Path, results: Path) -> list[str]:
     Returns the files that were changed after the run began, which the manifest names as well: what
     was computed before is of what they were.
     """
-    loaded, run = load_study(study), json.loads(os.environ.get(RUN_VARIABLE, "{}"))
+    loaded, run = load_study(study), json.loads(os.environ.get(RUN_ENVIRONMENT_VARIABLE, "{}"))
     changed = _changed_since_start(loaded, results)
     hashed = _hashed_files(loaded, results)
     write_json(_hash_cache(results), hashed)
@@ -41,7 +41,7 @@ def write_manifest(study: Path, results: Path) -> list[str]:
         "command": run.get("command", ""),
         "settings": run.get("settings", {}),
         "code": run.get("code", ""),
-        "versions": versions(),
+        "versions": environment_versions(),
         "study": loaded.setup.model_dump(mode="json"),
         "trials": {trial.trial_id: trial_row(trial) for trial in loaded.trials},
         "inputs": _without_stamps(hashed),
@@ -51,7 +51,7 @@ def write_manifest(study: Path, results: Path) -> list[str]:
     return changed
 
 
-def versions() -> dict[str, str]:
+def environment_versions() -> dict[str, str]:
     """Versions of Python, the system, this package and all that it depends on."""
     try:
         needed = [re.split(r"[^\w.-]", text)[0] for text in requires("bluekoi") or []
@@ -90,7 +90,7 @@ def _changed_since_start(study: Study, results: Path) -> list[str]:
     return sorted(name for name in before if now.get(name) != before[name])
 
 
-def input_hashes(study: Study, results: Path) -> dict[str, dict[str, Any]]:
+def input_file_hashes(study: Study, results: Path) -> dict[str, dict[str, Any]]:
     """`sha256` and `bytes` of each input file that is there, by relative path.
 
     Hashes of files that have kept size and date since the last run are those of that run.

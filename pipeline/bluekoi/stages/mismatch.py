@@ -14,26 +14,26 @@ from ..camera.geometry_hypotheses import SYSTEMATIC_LENGTH_ERROR_SHARE
 from ..camera.length_windows import windows_from_columns
 from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE
 from ..campaign import load_campaign
-from ..data import Flapping, write_columns
+from ..data import FlappingFrequency, write_columns
 from ..errors import input_error
 from ..files import write_json
-from ..fitting import Series, free_runs
-from ..integrate import compiled
+from ..fitting import TrialSeries, free_runs
+from ..integrate import compile_system
 from ..mismatch import find_mismatch
 from ..mismatch.camera_displacement import with_displacements
 from ..mismatch.laws import cause_force_curves, partial_residuals
 from ..mismatch.results_json import details_json, mismatch_json
 from ..mismatch.rigid_lengths import length_measurement
 from ..mismatch.wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock
-from ..model import plates
+from ..model import two_plate_system
 from ..motor import log_lead_from_beat_phases
-from ..study import Setup, Study, load_study
+from ..study import Study, StudySettings, load_study
 from ..study.data_split import held_out_trials
 from ..tuning import downsampled
 from .clock_factor import correct_clock, with_clock_cause
 from .clock_measurement import with_clock_measurement
-from .compiling import load_model_with_effects as preload
-from .layout import Layout, remove_files
+from .compiling import precompile_model_with_effects as preload
+from .layout import ResultPaths, remove_files
 from .motor_measurements import with_frequency_drift, with_lost_time
 from .status import has_measured_lengths, with_numerical_failures_explained
 from .tuning import campaign_flapping, campaign_series
@@ -43,7 +43,7 @@ __all__ = ["mismatch", "preload"]
 MIN_TRIALS = 2
 """Fewer trials determine neither the coefficients nor what is missing."""
 
-log = logging.getLogger(__name__)
+stage_logger = logging.getLogger(__name__)
 
 
 @with_numerical_failures_explained
@@ -64,9 +64,9 @@ def mismatch(study: Path, results: Path) -> None:
     series = with_rigid_length_measurement(
         series, campaign.geometry or {}, loaded.setup, fitted=fitted
     )
-    series = with_nose_distances(series, loaded, Layout(results))
-    found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
-    kernel = compiled(plates())
+    series = with_nose_distances(series, loaded, ResultPaths(results))
+    found = find_mismatch(loaded, series, campaign.steady, progress=stage_logger.info)
+    kernel = compile_system(two_plate_system())
     series = with_displacements(kernel, series, found.displacements)
     runs = free_runs(kernel, series, found.extended.trial_values(kernel, series))
     remove_files((results / "extended").glob("*.csv"))
@@ -89,7 +89,7 @@ def mismatch(study: Path, results: Path) -> None:
             cause["law"] = laws[cause["name"]]
         if cause["name"] == CLOCK_CAUSE and (part := trials_with_wrong_clock(series)):
             cause["regime"] = f"trials {', '.join(part)}"
-    write_json(Layout(results).mismatch, with_clock_cause(content, factors, len(series)))
+    write_json(ResultPaths(results).mismatch, with_clock_cause(content, factors, len(series)))
 
 
 def refuse_single_trial(study: Path, count: int) -> None:
@@ -104,8 +104,8 @@ def refuse_single_trial(study: Path, count: int) -> None:
 
 
 def with_delay_measurement(
-    series: Sequence[Series], flapping: Mapping[str, Flapping], *, fitted: int
-) -> list[Series]:
+    series: Sequence[TrialSeries], flapping: Mapping[str, FlappingFrequency], *, fitted: int
+) -> list[TrialSeries]:
     """Series with what the phases of the tail beat say of log and video as evidence, one
     measurement shared by the `fitted` trials.
     """
@@ -124,16 +124,16 @@ def with_delay_measurement(
 
 
 def with_rigid_length_measurement(
-    series: Sequence[Series], geometry: Mapping[str, Any], setup: Setup, *,
+    series: Sequence[TrialSeries], geometry: Mapping[str, Any], setup: StudySettings, *,
     fitted: int | None = None,
-) -> list[Series]:  # fmt: skip
+) -> list[TrialSeries]:  # fmt: skip
     """Series with what rigid lengths say of errors of the camera, measured once for all trials.
 
     fitted: trials that are not held out, whose shares make up the measurement.
     """
     if not (series and geometry.get("windows")):
         return list(series)
-    system, camera = plates(), setup.camera
+    system, camera = two_plate_system(), setup.camera
     by_homography = camera is not None and camera.matrix is None
     shared = length_measurement(
         system, dict(zip(system.constants, series[0].constants, strict=True)),
@@ -153,9 +153,11 @@ def _detector_error_share(geometry: Mapping[str, Any]) -> float:
     return float(np.sqrt(max(geometry["min_share"] ** 2 - STATED_LENGTH_STD_SHARE**2, 0.0)))
 
 
-def with_nose_distances(series: Sequence[Series], study: Study, layout: Layout) -> list[Series]:
+def with_nose_distances(
+    series: Sequence[TrialSeries], study: Study, layout: ResultPaths
+) -> list[TrialSeries]:
     """Series that know where their keypoints were placed back from the nose at stated lengths."""
-    slots = plates().constants
+    slots = two_plate_system().constants
     head, hinge, ahead = (slots.index(name) for name in ("h", "x_hinge", "ahead"))
     out = []
     for one in series:

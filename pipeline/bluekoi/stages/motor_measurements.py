@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import Flapping
-from ..fitting import Series
-from .clock_measurement import variance_components
+from ..data import FlappingFrequency
+from ..fitting import TrialSeries
+from .clock_measurement import within_between_group_variances
 
 LOST_TIME_STD_S = 0.005  # ASSUME a motor counts as starting at once that loses a reading's time
 NEGLIGIBLE_DRIFT_STD_PER_S = (
@@ -19,8 +19,8 @@ MOTOR_FORMULA_STD_SHARE = 0.2  # ASSUME a motor follows the formula of its spin-
 
 
 def with_lost_time(
-    series: Sequence[Series], flapping: Mapping[str, Flapping], *, fitted: int
-) -> list[Series]:
+    series: Sequence[TrialSeries], flapping: Mapping[str, FlappingFrequency], *, fitted: int
+) -> list[TrialSeries]:
     """Series with what the motor logs say of the spin-up as evidence, one measurement shared by the
     `fitted` trials: the mean of the logs, as certain as they agree, and no better than the cause's
     formula describes a motor.
@@ -38,8 +38,8 @@ def with_lost_time(
 
 
 def with_frequency_drift(
-    series: Sequence[Series], flapping: Mapping[str, Flapping], *, fitted: int
-) -> list[Series]:
+    series: Sequence[TrialSeries], flapping: Mapping[str, FlappingFrequency], *, fitted: int
+) -> list[TrialSeries]:
     """Series with the drift of each trial's flapping frequency as evidence, by the motor log, or
     without one by the video.
 
@@ -52,7 +52,9 @@ def with_frequency_drift(
         return list(series)
     drift = np.array([f.drift_per_s for f in found.values()])
     own = np.nan_to_num([f.drift_std_per_s for f in found.values()])
-    within, _ = variance_components(drift, own**2, [s.group for s in series if s.name in found])
+    within, _ = within_between_group_variances(
+        drift, own**2, [s.group for s in series if s.name in found]
+    )
     formula = NEGLIGIBLE_DRIFT_STD_PER_S**2 + (MOTOR_FORMULA_STD_SHARE * drift) ** 2
     std = np.sqrt(own**2 + within + max(fitted, 1) * formula)
     name = {n: "frequency_drift" if f.source == "motor_log" else "tail_beat_drift"

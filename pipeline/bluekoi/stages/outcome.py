@@ -8,7 +8,7 @@ from ..camera.length_warnings import length_warnings
 from ..files import read_json, read_json_if_present, write_json
 from ..study import load_study
 from ..trial_warnings import trial_warnings, unchecked_clock_notes
-from .layout import Layout, remove_files
+from .layout import ResultPaths, remove_files
 from .manifest import write_manifest
 from .trial_failure import failure_reason
 
@@ -26,7 +26,7 @@ def outcome(study: Path, results: Path) -> list[str]:
     trials that were used: clocks that disagree, speeds that no swimmer has, powers that do not go
     with the flapping frequency, rigid lengths of another size.
     """
-    layout, done = Layout(results), Layout(results).outcome
+    layout, done = ResultPaths(results), ResultPaths(results).outcome
     loaded = load_study(study)
     statuses = {t.trial_id: read_json(layout.status(t.trial_id)) for t in loaded.trials}
     bad = [f"{name}: {text}" for name, s in statuses.items() if (text := failure_reason(s))]

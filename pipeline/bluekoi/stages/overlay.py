@@ -9,7 +9,7 @@ from ..campaign import load_campaign
 from ..files import read_json
 from ..report.overlay import write_trial_overlay
 from ..study import Study, load_study
-from .layout import Layout
+from .layout import ResultPaths
 from .status import run_with_status
 
 
@@ -20,7 +20,7 @@ def overlay(
     import cv2  # noqa: PLC0415
 
     cv2.setNumThreads(threads)
-    loaded, layout = load_study(study, only=trial_id), Layout(results)
+    loaded, layout = load_study(study, only=trial_id), ResultPaths(results)
     run_with_status(
         layout.overlaid(trial_id),
         trial_id,
@@ -31,7 +31,7 @@ def overlay(
     )
 
 
-def _draw_overlay(study: Study, layout: Layout, trial_id: str) -> dict[str, Any]:
+def _draw_overlay(study: Study, layout: ResultPaths, trial_id: str) -> dict[str, Any]:
     found = read_json(layout.status(trial_id))
     if not found["ok"]:
         return found

@@ -10,7 +10,7 @@ from ..camera.pool_edge_check import compare_pool_edges
 from ..errors import InputError
 from ..study import Study, Trial
 
-log = logging.getLogger(__name__)
+stage_logger = logging.getLogger(__name__)
 
 
 def check_pool_edges(study: Study, trial: Trial) -> tuple[dict[str, Any] | None, tuple[str, ...]]:
@@ -26,7 +26,7 @@ def check_pool_edges(study: Study, trial: Trial) -> tuple[dict[str, Any] | None,
         recording = open_recording(study.paths(trial), fps=trial.fps, start_s=trial.start_s)
         first = next(iter(frames(recording)), None)
     except InputError as error:  # the recording went after its keypoints were detected
-        log.warning("pool edges not checked: %s", error)
+        stage_logger.warning("pool edges not checked: %s", error)
         return None, ()
     if first is None:
         return None, ()

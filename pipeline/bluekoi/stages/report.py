@@ -8,7 +8,7 @@ from pathlib import Path
 from ..campaign import load_campaign
 from ..report.page import write_report
 from ..study import load_study
-from .layout import Layout
+from .layout import ResultPaths
 
 
 def report(study: Path, results: Path) -> None:
@@ -17,9 +17,13 @@ def report(study: Path, results: Path) -> None:
     figures = import_module("bluekoi.figures")
     campaign = load_campaign(results, load_study(study))
     figures_text = {
-        name: (figures.title(name, campaign), figures.caption(name, campaign))
+        name: (figures.figure_title(name, campaign), figures.figure_caption(name, campaign))
         for name in figures.figure_names()
     }
     write_report(
-        campaign, figures_text, results / "figures", results / "overlays", Layout(results).report
+        campaign,
+        figures_text,
+        results / "figures",
+        results / "overlays",
+        ResultPaths(results).report,
     )

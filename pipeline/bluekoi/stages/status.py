@@ -13,10 +13,10 @@ import numpy as np
 from ..errors import InputError, input_error
 from ..files import read_json, write_json
 from ..keypoints import source_module, source_names
-from ..motor.swimming_plausibility import study_warnings
+from ..motor.swimming_plausibility import clock_and_length_warnings
 from .layout import remove_files
 
-log = logging.getLogger(__name__)
+stage_logger = logging.getLogger(__name__)
 
 MEMORY_ADVICE = "run fewer jobs at once (--cores 1) or close other programs, then start again"
 DEFAULT_ADVICE = "Check fps, head_angle_deg and the lengths of study.yaml, and add trials."
@@ -40,15 +40,15 @@ def run_with_status(
     except InputError as error:
         text = str(error)
         found = _failed_status(trial_id, text if source in text else f"{source}: {text}")
-        log.warning("%s", error)
+        stage_logger.warning("%s", error)
     except MemoryError:
         found = _failed_status(trial_id, f"{source}: not enough memory; {MEMORY_ADVICE}")
-        log.exception("trial %s", trial_id)
+        stage_logger.exception("trial %s", trial_id)
     except Exception as error:  # one trial must not stop the others, whatever is wrong with it
         found = _failed_status(
             trial_id, f"a defect of this program, {error!r}; the log of the trial has more"
         )
-        log.exception("trial %s", trial_id)
+        stage_logger.exception("trial %s", trial_id)
     if not found["ok"]:
         remove_files(products)
     sizes = {
@@ -70,7 +70,9 @@ def successful_trials(statuses: Sequence[Path]) -> list[str]:
 def has_measured_lengths(detection: Path) -> bool:
     """Whether a trial's keypoints were seen one by one, not placed at stated lengths."""
     name = read_json(detection).get("source")
-    return name not in source_names() or not getattr(source_module(name), "LENGTHS_STATED", False)
+    return name not in source_names() or not getattr(
+        source_module(name), "USES_STATED_LENGTHS", False
+    )
 
 
 def with_numerical_failures_explained(
@@ -85,14 +87,14 @@ def with_numerical_failures_explained(
         try:
             stage(study, results)
         except (np.linalg.LinAlgError, ArithmeticError) as error:
-            log.debug("stage %s", stage.__name__, exc_info=True)
+            stage_logger.debug("stage %s", stage.__name__, exc_info=True)
             found = {path.stem: read_json(path) for path in (results / "status").glob("*.json")}
             raise input_error(
                 study / "trials.csv",
                 "",
                 f"a fit without a solution ({error})",
                 "trials that the model can describe",
-                " ".join(study_warnings(found)) or DEFAULT_ADVICE,
+                " ".join(clock_and_length_warnings(found)) or DEFAULT_ADVICE,
             ) from error
 
     return explained

@@ -7,7 +7,7 @@ from pathlib import Path
 from ..errors import input_error
 from ..steady import read_steady, write_steady
 from ..study import load_study
-from .layout import Layout, remove_files
+from .layout import ResultPaths, remove_files
 from .status import successful_trials
 
 
@@ -19,7 +19,7 @@ def steady(study: Path, results: Path) -> None:
 
     Raises: InputError where no trial went well.
     """
-    layout = Layout(results)
+    layout = ResultPaths(results)
     ids = [trial.trial_id for trial in load_study(study).trials]
     good = successful_trials([layout.status(trial_id) for trial_id in ids])
     if not good:

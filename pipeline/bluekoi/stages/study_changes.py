@@ -9,7 +9,7 @@ from typing import Any
 from ..files import flatten_mapping, read_json
 from ..study import Study
 from .freshness import trial_row
-from .manifest import input_hashes
+from .manifest import input_file_hashes
 
 MAX_CHANGES_NAMED = 4
 """Changes that a message lists; of more it gives the number."""
@@ -43,7 +43,7 @@ def changes_since_run(study: Study, results: Path) -> list[str]:
     return [
         *_changed_settings(before.get("study") or {}, study.setup.model_dump(mode="json")),
         *_changed_trials(before.get("trials") or {}, trials),
-        *_changed_files(before.get("inputs") or {}, input_hashes(study, results)),
+        *_changed_files(before.get("inputs") or {}, input_file_hashes(study, results)),
     ]
 
 

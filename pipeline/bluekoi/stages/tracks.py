@@ -12,7 +12,7 @@ from ..camera.calibration_uncertainty import calibration_covariance_at_places
 from ..camera.picture_bounds import check_within_picture
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
-from ..data import Flapping, Steady, Track, write_pose, write_track
+from ..data import FlappingFrequency, SteadyState, Track, write_pose, write_track
 from ..errors import InputError, input_error
 from ..files import read_json
 from ..keypoints.deeplabcut import read_detections
@@ -23,28 +23,28 @@ from ..motor.swimming_plausibility import (
     swimming_numbers,
     tail_length_seen,
 )
-from ..pose.plausibility import plausible_pose
-from ..pose.trial_comparison import body_record
+from ..pose.plausibility import checked_rigid_pose
+from ..pose.trial_comparison import status_of_body_measurements
 from ..smoothing import smooth_with_noise_ratio
 from ..smoothing.systematic_error import with_systematic_error
 from ..steady import steady_state, write_steady
 from ..study import Study, Trial, load_study
-from .compiling import load_smoother as preload
+from .compiling import precompile_smoother as preload
 from .depth import keypoint_depth
-from .head_angle_sign import sign_finding
-from .layout import Layout
+from .head_angle_sign import head_angle_sign_finding
+from .layout import ResultPaths
 from .pool_edges import check_pool_edges
 from .status import run_with_status
 
 __all__ = ["preload", "tracks"]
 
-CLOCK_TOLERANCE_SHARE = 0.01
+MAX_MOTOR_CLOCK_DIFFERENCE_SHARE = 0.01
 """Clocks of motor and video that differ by a larger share make a steady speed doubtful."""
 
 
 def tracks(study: Path, results: Path, trial_id: str, *, inputs: str = "") -> None:
     """Write poses/ID.csv, tracks/ID.csv, steady/ID.csv and how the trial went."""
-    loaded, layout = load_study(study, only=trial_id), Layout(results)
+    loaded, layout = load_study(study, only=trial_id), ResultPaths(results)
     trial = loaded.trial(trial_id)
     run_with_status(
         layout.status(trial_id),
@@ -56,7 +56,7 @@ def tracks(study: Path, results: Path, trial_id: str, *, inputs: str = "") -> No
     )
 
 
-def _write_track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
+def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, Any]:
     detection = read_json(layout.detection(trial.trial_id))
     if not detection["ok"]:
         return detection
@@ -68,9 +68,9 @@ def _write_track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     depth = keypoint_depth(study.setup, layout)
     positions = map_keypoints(camera, found, depth)
     try:
-        pose = plausible_pose(study, trial, positions)
+        pose = checked_rigid_pose(study, trial, positions)
     except InputError:
-        if sign := sign_finding(study, trial, camera, depth):
+        if sign := head_angle_sign_finding(study, trial, camera, depth):
             raise InputError([sign]) from None
         raise
     flapping = trial_flapping(study, trial, positions)
@@ -98,12 +98,12 @@ def _write_track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
         "flapping": flapping_record(flapping),
         "swimming": swimming,
         "tail_m": tail_length_seen(positions),
-        "body": body_record(found, positions, pose, study.setup.robot, trial),
+        "body": status_of_body_measurements(found, positions, pose, study.setup.robot, trial),
         "pool_edges": edges,
     }
 
 
-def _recoil_hz(flapping: Flapping) -> float:
+def _recoil_hz(flapping: FlappingFrequency) -> float:
     """Flapping frequency in the video's clock, where that is another than the motor's."""
     wrong = not flapping.agrees and np.isfinite(flapping.ratio)
     return flapping.flap_hz * (flapping.ratio if wrong else 1.0)
@@ -119,9 +119,9 @@ def _error_of_unsolvable_fit(study: Study, trial: Trial, error: Exception) -> In
     )
 
 
-def _with_clock_remark(steady: Steady, flapping: Flapping) -> Steady:
+def _with_clock_remark(steady: SteadyState, flapping: FlappingFrequency) -> SteadyState:
     """The steady state; where the clocks disagree, the remark on that precedes other reasons."""
-    if flapping.agrees or abs(flapping.ratio - 1) < CLOCK_TOLERANCE_SHARE:
+    if flapping.agrees or abs(flapping.ratio - 1) < MAX_MOTOR_CLOCK_DIFFERENCE_SHARE:
         return steady
     return replace(steady, reason="; ".join(filter(None, (flapping.remarks[-1], steady.reason))))
 

@@ -8,16 +8,22 @@ from pathlib import Path
 import numpy as np
 
 from ..campaign import Campaign, load_campaign
-from ..data import Flapping, write_columns
+from ..data import FlappingFrequency, write_columns
 from ..errors import input_error
 from ..files import write_json
-from ..fitting import Series
+from ..fitting import TrialSeries
 from ..motor import common_clock_ratio, deviates_from_common_clock
 from ..study import load_study
-from ..tuning import coefficients, simulations, study_series, table_1, table_2
+from ..tuning import (
+    coefficients_json_and_fit,
+    simulation_columns_by_trial,
+    study_series,
+    table_1,
+    table_2,
+)
 from .clock_factor import correct_clock
-from .compiling import load_model as preload
-from .layout import Layout, remove_files
+from .compiling import precompile_model as preload
+from .layout import ResultPaths, remove_files
 from .status import with_numerical_failures_explained
 
 __all__ = ["campaign_flapping", "campaign_series", "preload", "tuning"]
@@ -26,16 +32,16 @@ __all__ = ["campaign_flapping", "campaign_series", "preload", "tuning"]
 @with_numerical_failures_explained
 def tuning(study: Path, results: Path) -> None:
     """Write coefficients.json, table1.csv, table2.csv and simulations/ID.csv of all good trials."""
-    layout = Layout(results)
+    layout = ResultPaths(results)
     campaign = load_campaign(results, load_study(study), measured=True)
     loaded = campaign.study
     campaign, flapping, factors = correct_clock(campaign, campaign_flapping(campaign))
     series = campaign_series(campaign, flapping)
     remove_files((results / "simulations").glob("*.csv"))
-    found, joint = coefficients(loaded, series, campaign.steady)
+    found, joint = coefficients_json_and_fit(loaded, series, campaign.steady)
     found |= {"clock_factor": {name: f.value for name, f in factors.items()}} if factors else {}
     steps = found["paper_steps"]
-    for name, columns in simulations(series, joint, steps).items():
+    for name, columns in simulation_columns_by_trial(series, joint, steps).items():
         recorded = columns["time_s"] / (factors[name].value if name in factors else 1.0)
         write_columns(results / "simulations" / f"{name}.csv", columns | {"time_s": recorded})
     write_columns(results / "table1.csv", table_1(steps))
@@ -44,8 +50,8 @@ def tuning(study: Path, results: Path) -> None:
 
 
 def campaign_series(
-    campaign: Campaign, flapping: Mapping[str, Flapping] | None = None
-) -> list[Series]:
+    campaign: Campaign, flapping: Mapping[str, FlappingFrequency] | None = None
+) -> list[TrialSeries]:
     """Trials of a campaign as the fit takes them; flapping: `campaign_flapping` without it.
 
     Not a robot that never moved; nor a trial whose tail beats at another rate than its motor's,
@@ -66,11 +72,11 @@ def campaign_series(
     return series
 
 
-def campaign_flapping(campaign: Campaign) -> dict[str, Flapping]:
+def campaign_flapping(campaign: Campaign) -> dict[str, FlappingFrequency]:
     """Flapping frequency of each trial as its tracks stage found it."""
     found = {i: campaign.statuses[i].get("flapping") for i in campaign.tracks}
     return {
-        i: Flapping(
+        i: FlappingFrequency(
             flap_hz=f["flap_hz"],
             flap_hz_std=f["flap_hz_std"] or 0.0,
             source=f["source"],

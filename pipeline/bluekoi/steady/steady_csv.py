@@ -6,7 +6,7 @@ import csv
 from collections.abc import Mapping
 from pathlib import Path
 
-from ..data import Steady, write_columns
+from ..data import SteadyState, write_columns
 from ..errors import input_error
 
 NUMBER_COLUMNS = (
@@ -24,7 +24,7 @@ STEADY_COLUMNS = ("trial_id", *NUMBER_COLUMNS, "quality", "reason", "turn", *CEN
 """Columns of steady.csv."""
 
 
-def write_steady(path: str | Path, steady: Mapping[str, Steady]) -> None:
+def write_steady(path: str | Path, steady: Mapping[str, SteadyState]) -> None:
     """Write steady.csv whole; an infinite radius as `inf`, NaN as an empty cell."""
     rows = list(steady.values())
     columns: dict[str, list[object]] = {"trial_id": list(steady)}
@@ -38,7 +38,7 @@ def write_steady(path: str | Path, steady: Mapping[str, Steady]) -> None:
     write_columns(path, columns)
 
 
-def read_steady(path: str | Path) -> dict[str, Steady]:
+def read_steady(path: str | Path) -> dict[str, SteadyState]:
     """Steady states by trial id from steady.csv.
 
     Raises: InputError naming file, row and column of what cannot be read.
@@ -55,14 +55,14 @@ def read_steady(path: str | Path) -> dict[str, Steady]:
     return {row["trial_id"]: _parse_steady_row(path, i, row) for i, row in enumerate(rows, start=2)}
 
 
-def _parse_steady_row(path: str | Path, number: int, row: dict[str, str]) -> Steady:
+def _parse_steady_row(path: str | Path, number: int, row: dict[str, str]) -> SteadyState:
     try:
         values = {name: _cell_to_float(row[name]) for name in NUMBER_COLUMNS}
         x, y = (_cell_to_float(row.get(name, "")) for name in CENTER_COLUMNS)
         turn = int(float(row.get("turn") or 0))
     except (TypeError, ValueError) as error:
         raise input_error(path, f"row {number}", str(error), "numbers") from error
-    return Steady(
+    return SteadyState(
         **values, quality=row["quality"], reason=row["reason"] or "", turn=turn, center_m=(x, y)
     )
 

@@ -8,7 +8,7 @@ from itertools import chain
 
 import numpy as np
 
-from ..data import Flapping, Float, Steady, Track
+from ..data import FlappingFrequency, Float, SteadyState, Track
 from .circle_fit import Circle, fit_circle
 from .speed_plateau import Plateau, fit_plateau
 from .track_error_covariance import (
@@ -48,7 +48,7 @@ class _Segment:
     settled: bool
 
 
-def steady_state(track: Track, flapping: Flapping, head_angle_rad: float) -> Steady:
+def steady_state(track: Track, flapping: FlappingFrequency, head_angle_rad: float) -> SteadyState:
     """Steady speed, radius and arc of a trial, with quality and what to try next.
 
     Speed: mean over the steady segment, or v_inf of the start-up where it is not reached. Radius:
@@ -78,15 +78,19 @@ def steady_state(track: Track, flapping: Flapping, head_angle_rad: float) -> Ste
 
 
 def _steady_over_segment(
-    track: Track, flapping: Flapping, head_angle_rad: float, plateau: Plateau, segment: _Segment
-) -> Steady:
+    track: Track,
+    flapping: FlappingFrequency,
+    head_angle_rad: float,
+    plateau: Plateau,
+    segment: _Segment,
+) -> SteadyState:
     """Steady state of one segment."""
     at = segment.frames
     speed, speed_std = (
         _mean_speed(track, at) if segment.settled else _extrapolated_speed(track, at, plateau)
     )
     arc = float(track.heading_rad[at][-1] - track.heading_rad[at][0])
-    base = Steady(
+    base = SteadyState(
         flap_hz=flapping.flap_hz,
         speed_m_s=speed,
         speed_std_m_s=speed_std,
@@ -103,9 +107,9 @@ def _steady_over_segment(
     return _steady_of_turn(base, track, segment, arc)
 
 
-def _steady_without_data(flapping: Flapping, reason: str) -> Steady:
+def _steady_without_data(flapping: FlappingFrequency, reason: str) -> SteadyState:
     nan = float("nan")
-    return Steady(flapping.flap_hz, nan, nan, nan, nan, nan, nan, nan, "no_data", reason)
+    return SteadyState(flapping.flap_hz, nan, nan, nan, nan, nan, nan, nan, "no_data", reason)
 
 
 def _steady_segments(track: Track, plateau: Plateau) -> Iterator[_Segment]:
@@ -185,7 +189,7 @@ def _extrapolated_speed(track: Track, at: slice, plateau: Plateau) -> tuple[floa
     return float(speed.mean()), float(max(np.ptp(speed), plateau.speed_std_m_s))
 
 
-def _steady_of_straight_run(base: Steady, segment: _Segment, plateau: Plateau) -> Steady:
+def _steady_of_straight_run(base: SteadyState, segment: _Segment, plateau: Plateau) -> SteadyState:
     if segment.settled:
         return replace(base, quality="straight")
     reason = "the speed still changes at the end: film for longer or start nearer the wall"
@@ -194,7 +198,7 @@ def _steady_of_straight_run(base: Steady, segment: _Segment, plateau: Plateau) -
     return replace(base, quality="not_steady", reason=reason)
 
 
-def _steady_of_turn(base: Steady, track: Track, segment: _Segment, arc: float) -> Steady:
+def _steady_of_turn(base: SteadyState, track: Track, segment: _Segment, arc: float) -> SteadyState:
     circle = _fit_segment_circle(track, segment.frames)
     quality, reason = _quality_and_reason(base, track, segment, circle)
     return replace(
@@ -228,7 +232,7 @@ def _fit_segment_circle(track: Track, at: slice) -> Circle:
 
 
 def _quality_and_reason(
-    base: Steady, track: Track, segment: _Segment, circle: Circle
+    base: SteadyState, track: Track, segment: _Segment, circle: Circle
 ) -> tuple[str, str]:
     if not segment.settled:
         return "not_steady", "speed or turning rate still change at the end: film for longer"

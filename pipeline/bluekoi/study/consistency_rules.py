@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, NoReturn
 
 from pydantic_core import PydanticCustomError
 
-from ..data import PARTS
+from ..data import BODY_PART_NAMES
 from ..errors import did_you_mean
 from .pool_corner_order import corner_problems
 
 if TYPE_CHECKING:
-    from .setup import Camera, Robot, Setup
+    from .setup import Camera, Robot, StudySettings
     from .types import Trial
 
 COMBINED_FIELDS_ERROR = "together"
@@ -25,7 +25,7 @@ CORNER_MARGIN_SHARE_OF_IMAGE = 0.25
 
 
 @dataclass(frozen=True)
-class Problem:
+class SettingInconsistency:
     """A key (dotted, within its section) whose value does not fit the others."""
 
     key: str
@@ -34,28 +34,28 @@ class Problem:
     remedy: str = ""
 
 
-def raise_problems(problems: Iterable[Problem]) -> None:
+def raise_problems(problems: Iterable[SettingInconsistency]) -> None:
     """Nothing, or one validation error that carries all problems."""
     if found := tuple(problems):
         _raise_combined_error(found)
 
 
-def _raise_combined_error(found: tuple[Problem, ...]) -> NoReturn:
+def _raise_combined_error(found: tuple[SettingInconsistency, ...]) -> NoReturn:
     raise PydanticCustomError(
         COMBINED_FIELDS_ERROR, "values do not fit together", {"problems": found}
     )
 
 
-def robot_problems(robot: Robot) -> list[Problem]:
+def robot_problems(robot: Robot) -> list[SettingInconsistency]:
     """Lengths that do not add up to a robot."""
     ahead = robot.head_length_m + robot.hinge_to_com_m
     if ahead < robot.body_length_m:
         return []
     expected = f"head_length_m + hinge_to_com_m ({ahead:g}) smaller than body_length_m"
-    return [Problem("body_length_m", f"{robot.body_length_m:g}", expected)]
+    return [SettingInconsistency("body_length_m", f"{robot.body_length_m:g}", expected)]
 
 
-def setup_problems(setup: Setup) -> list[Problem]:
+def setup_problems(setup: StudySettings) -> list[SettingInconsistency]:
     """A robot that does not fit its pool, or is heavier than any: mostly other units than SI."""
     pool, robot = setup.pool, setup.robot
     length = robot.body_length_m
@@ -67,7 +67,7 @@ def setup_problems(setup: Setup) -> list[Problem]:
         ("mass_kg", cube, f"less than a cube of water of the robot's length ({cube:.3g} kg)"),
     )
     too_large = [
-        Problem(f"robot.{key}", f"{getattr(robot, key):g}", expected, UNITS_REMEDY)
+        SettingInconsistency(f"robot.{key}", f"{getattr(robot, key):g}", expected, UNITS_REMEDY)
         for key, limit, expected in limits
         if getattr(robot, key) >= limit
     ]
@@ -80,7 +80,7 @@ def setup_problems(setup: Setup) -> list[Problem]:
     ]
 
 
-def _inertia_problems(setup: Setup) -> list[Problem]:
+def _inertia_problems(setup: StudySettings) -> list[SettingInconsistency]:
     """A yaw inertia that the mass cannot have; the mass is named where it is too small for the
     robot's size.
     """
@@ -95,35 +95,38 @@ def _inertia_problems(setup: Setup) -> list[Problem]:
             f"a mass with which yaw_inertia_kg_m2 {inertia:g} is possible: all of this one at nose "
             f"and tail tip would have {rod:.3g} kg m2"
         )
-        return [Problem("robot.mass_kg", f"{robot.mass_kg:g}", expected, UNITS_REMEDY)]
+        return [SettingInconsistency("robot.mass_kg", f"{robot.mass_kg:g}", expected, UNITS_REMEDY)]
     expected = f"less than all mass at nose and tail tip would have ({rod:.3g} kg m2)"
-    return [Problem("robot.yaw_inertia_kg_m2", f"{inertia:g}", expected, UNITS_REMEDY)]
+    return [SettingInconsistency("robot.yaw_inertia_kg_m2", f"{inertia:g}", expected, UNITS_REMEDY)]
 
 
-def _corner_height_problems(setup: Setup) -> list[Problem]:
+def _corner_height_problems(setup: StudySettings) -> list[SettingInconsistency]:
     """Marks of the corners further from the water than the pool is wide."""
     height, width = setup.camera.pool_corners_height_m, setup.pool.width_m
     if abs(height) < width:
         return []
     expected = f"a height above the water, less than the pool's width ({width:g} m)"
-    return [Problem("camera.pool_corners_height_m", f"{height:g}", expected, "Units are m.")]
+    key = "camera.pool_corners_height_m"
+    return [SettingInconsistency(key, f"{height:g}", expected, "Units are m.")]
 
 
-def _unknown_bodypart_problems(bodyparts: Iterable[str]) -> list[Problem]:
+def _unknown_bodypart_problems(bodyparts: Iterable[str]) -> list[SettingInconsistency]:
     expected = "one of our parts, followed by the file's name for it"
     return [
-        Problem(f"bodyparts.{part}", "an unknown part", expected, did_you_mean(part, PARTS))
+        SettingInconsistency(
+            f"bodyparts.{part}", "an unknown part", expected, did_you_mean(part, BODY_PART_NAMES)
+        )
         for part in bodyparts
-        if part not in PARTS
+        if part not in BODY_PART_NAMES
     ]
 
 
-def _shared_name_problems(bodyparts: Mapping[str, str]) -> list[Problem]:
+def _shared_name_problems(bodyparts: Mapping[str, str]) -> list[SettingInconsistency]:
     owners: dict[str, list[str]] = {}
-    for part in PARTS:
+    for part in BODY_PART_NAMES:
         owners.setdefault(bodyparts.get(part, part), []).append(part)
     return [
-        Problem(
+        SettingInconsistency(
             f"bodyparts.{next(part for part in parts if part in bodyparts)}",
             f"the file's name '{name}' for {' and '.join(parts)}",
             "another name for each part",
@@ -134,49 +137,58 @@ def _shared_name_problems(bodyparts: Mapping[str, str]) -> list[Problem]:
     ]
 
 
-def camera_problems(camera: Camera) -> list[Problem]:
+def camera_problems(camera: Camera) -> list[SettingInconsistency]:
     """A lens or pool corners that cannot be."""
     order = corner_problems(camera.pool_corners_px)
     corners = f"{[list(corner) for corner in camera.pool_corners_px]}"
     return [
         *_lens_problems(camera),
-        *(Problem("pool_corners_px", corners, text) for text in order),
+        *(SettingInconsistency("pool_corners_px", corners, text) for text in order),
         *(_outside_image_problems(camera, corners) if not order else []),
     ]
 
 
-def _lens_problems(camera: Camera) -> list[Problem]:
+def _lens_problems(camera: Camera) -> list[SettingInconsistency]:
     if camera.matrix is None:
-        without = Problem("distortion", "a distortion without a matrix", "both or neither")
+        without = SettingInconsistency(
+            "distortion", "a distortion without a matrix", "both or neither"
+        )
         return [without] if camera.distortion else []
-    size = Problem("image_size_px", "nothing", "width and height; image_size_px is needed "
-                   "with a matrix")  # fmt: skip
+    size = SettingInconsistency(
+        "image_size_px", "nothing", "width and height; image_size_px is needed with a matrix"
+    )
     problems = _matrix_problems(camera.matrix) + ([size] if camera.image_size_px is None else [])
     allowed = (4,) if camera.model == "fisheye" else (4, 5, 8, 12, 14)
     if camera.distortion is not None and len(camera.distortion) not in allowed:
         found = f"{len(camera.distortion)} numbers"
         counts = " or ".join(map(str, allowed[:2]))
         problems.append(
-            Problem("distortion", found, f"{counts} coefficients of a {camera.model} lens")
+            SettingInconsistency(
+                "distortion", found, f"{counts} coefficients of a {camera.model} lens"
+            )
         )
     return problems
 
 
-def _matrix_problems(matrix: Sequence[Sequence[float]]) -> list[Problem]:
+def _matrix_problems(matrix: Sequence[Sequence[float]]) -> list[SettingInconsistency]:
     (fx, skew, _), (below, fy, _), last = matrix
     shape = "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"
     problems = []
     if fx <= 0 or fy <= 0:
-        problems.append(Problem("matrix", f"fx {fx:g}, fy {fy:g}", "positive focal lengths"))
+        problems.append(
+            SettingInconsistency("matrix", f"fx {fx:g}, fy {fy:g}", "positive focal lengths")
+        )
     if skew != 0:
         found, remedy = f"a first row {list(matrix[0])}", "Calibrate the lens with a skew of 0."
-        problems.append(Problem("matrix", found, shape, remedy))
+        problems.append(SettingInconsistency("matrix", found, shape, remedy))
     if below != 0 or tuple(last) != (0, 0, 1):
-        problems.append(Problem("matrix", f"rows {list(matrix[1])} and {list(last)}", shape))
+        problems.append(
+            SettingInconsistency("matrix", f"rows {list(matrix[1])} and {list(last)}", shape)
+        )
     return problems
 
 
-def _outside_image_problems(camera: Camera, corners: str) -> list[Problem]:
+def _outside_image_problems(camera: Camera, corners: str) -> list[SettingInconsistency]:
     """Corners or principal point far out of the picture: as where width and height are swapped."""
     if camera.image_size_px is None:
         return []
@@ -188,12 +200,16 @@ def _outside_image_problems(camera: Camera, corners: str) -> list[Problem]:
         _is_beyond_image_margin(u, width) or _is_beyond_image_margin(v, height)
         for u, v in camera.pool_corners_px
     ):
-        problems.append(Problem("pool_corners_px", corners, f"corners in {image}", remedy))
+        problems.append(
+            SettingInconsistency("pool_corners_px", corners, f"corners in {image}", remedy)
+        )
     if camera.matrix is not None:
         cx, cy = camera.matrix[0][2], camera.matrix[1][2]
         if not (0 <= cx <= width and 0 <= cy <= height):
             found = f"cx {cx:g}, cy {cy:g}"
-            problems.append(Problem("matrix", found, f"a principal point in {image}", remedy))
+            problems.append(
+                SettingInconsistency("matrix", found, f"a principal point in {image}", remedy)
+            )
     return problems
 
 
@@ -209,10 +225,10 @@ MAX_NAME_BYTES, MAX_PATH_BYTES = 255, 4000
 """Longest name of a file or folder, and longest path, that Linux and macOS can open."""
 
 
-def trial_problems(trial: Trial) -> list[Problem]:
+def trial_problems(trial: Trial) -> list[SettingInconsistency]:
     """Cells of a row that do not go together, or that no file system can hold."""
     problems = [
-        Problem(
+        SettingInconsistency(
             key, f"a path of {len(text)} characters", f"names of {MAX_NAME_BYTES} bytes at most"
         )
         for key, text in (("source", trial.source), ("motor_log", trial.motor_log or ""))
@@ -221,13 +237,15 @@ def trial_problems(trial: Trial) -> list[Problem]:
     if (trial.reads_keypoints or trial.reads_images) and trial.fps is None:
         kind = "a keypoint file" if trial.reads_keypoints else "pictures"
         expected = f"frames per second; fps is required where the source is {kind}"
-        problems.append(Problem("fps", "nothing", expected))
+        problems.append(SettingInconsistency("fps", "nothing", expected))
     if (trial.start_x_px is None) != (trial.start_y_px is None):
         lacking = "start_x_px" if trial.start_x_px is None else "start_y_px"
-        problems.append(Problem(lacking, "nothing", "start_x_px and start_y_px together"))
+        problems.append(
+            SettingInconsistency(lacking, "nothing", "start_x_px and start_y_px together")
+        )
     if trial.start_s is not None and trial.end_s is not None and trial.end_s <= trial.start_s:
         expected = f"end_s must come after start_s ({trial.start_s:g})"
-        problems.append(Problem("end_s", f"{trial.end_s:g}", expected))
+        problems.append(SettingInconsistency("end_s", f"{trial.end_s:g}", expected))
     return problems
 
 

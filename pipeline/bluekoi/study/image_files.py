@@ -10,7 +10,7 @@ IMAGE_PATTERN = re.compile(r"[*?\[]|%0?\d*d")
 """Signs in a source by which it is a pattern of picture files."""
 
 
-def names_images(name: str) -> bool:
+def is_image_source(name: str) -> bool:
     """Whether a source names pictures by its form alone: a pattern, a picture, or a folder (no
     ending, or a slash at the end).
     """

@@ -15,10 +15,10 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from ..errors import did_you_mean, input_error
-from .setup import Setup
+from .setup import StudySettings
 from .types import Trial
 
-FILE_MODELS: dict[str, type[BaseModel]] = {"study.yaml": Setup, "trials.csv": Trial}
+FILE_MODELS: dict[str, type[BaseModel]] = {"study.yaml": StudySettings, "trials.csv": Trial}
 """File of a study -> model of its keys."""
 LIMIT_PHRASES = {
     "gt": "more than {:g}",
@@ -30,7 +30,7 @@ LIMIT_PHRASES = {
 
 
 @dataclass(frozen=True)
-class Key:
+class SettingKey:
     """One key: its file, its dotted name there, meaning, unit, default and allowed values.
 
     default: `required`, or the value as yaml writes it; empty where leaving it out means unknown.
@@ -49,7 +49,7 @@ class Key:
         return "\n".join([f"{self.name} ({self.file})", f"  {self.meaning}", *lines])
 
 
-def keys() -> list[Key]:
+def setting_keys() -> list[SettingKey]:
     """All keys, sections before what stands in them."""
     return [key for file, model in FILE_MODELS.items() for key in _keys_of_model(file, model, "")]
 
@@ -59,7 +59,7 @@ def explain_key(name: str) -> str:
 
     Raises: InputError with the nearest name where there is no such key.
     """
-    known = keys()
+    known = setting_keys()
     found = [k for k in known if name in (k.name, k.name.rpartition(".")[2])]
     inside = [k for k in known if k.name.startswith(f"{name}.")]
     if not found:
@@ -68,10 +68,10 @@ def explain_key(name: str) -> str:
     return "\n".join(map(str, found + inside))
 
 
-def _keys_of_model(file: str, model: type[BaseModel], prefix: str) -> Iterator[Key]:
+def _keys_of_model(file: str, model: type[BaseModel], prefix: str) -> Iterator[SettingKey]:
     for name, field in model.model_fields.items():
         extra = typing.cast("dict[str, Any]", field.json_schema_extra)
-        yield Key(
+        yield SettingKey(
             file=file,
             name=prefix + name,
             meaning=field.description or "",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .types import Setup, Study
+from .types import Study, StudySettings
 
 MAX_ESTIMATED_DEPTH_STD_M = 0.01
 """An estimate less certain than this is worth less than the usual depth."""
@@ -15,7 +15,7 @@ with every trial, and each change would place all keypoints again.
 """
 
 
-def select_keypoint_depth_m(setup: Setup, estimate_m: float, std_m: float) -> float:
+def select_keypoint_depth_m(setup: StudySettings, estimate_m: float, std_m: float) -> float:
     """Depth to use, m, given an estimate and its standard deviation (0: no estimate)."""
     inside = 0 <= estimate_m < setup.pool.depth_m
     if setup.robot.depth_given or not (0 < std_m < MAX_ESTIMATED_DEPTH_STD_M and inside):
@@ -23,7 +23,9 @@ def select_keypoint_depth_m(setup: Setup, estimate_m: float, std_m: float) -> fl
     return round(estimate_m, DEPTH_DECIMALS)
 
 
-def setup_with_keypoint_depth(setup: Setup, geometry: Mapping[str, Any] | None) -> Setup:
+def setup_with_keypoint_depth(
+    setup: StudySettings, geometry: Mapping[str, Any] | None
+) -> StudySettings:
     """Setup whose `robot.keypoint_depth_m` is the depth to use, with geometry.json's content.
 
     `robot.depth_given` still says whether study.yaml gives it.

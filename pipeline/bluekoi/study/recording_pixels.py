@@ -9,12 +9,12 @@ import numpy as np
 
 from ..data import Float
 from ..errors import input_error
-from .setup import Setup
+from .setup import StudySettings
 
 
 def setup_in_film_pixels(
-    setup: Setup, size_px: tuple[int, int], name: str = "the recording"
-) -> Setup:
+    setup: StudySettings, size_px: tuple[int, int], name: str = "the recording"
+) -> StudySettings:
     """Setup whose camera section speaks of the pixels of a recording of this size (width, height).
 
     name: of the recording, for the fault.
@@ -36,7 +36,7 @@ def setup_in_film_pixels(
     return setup.model_copy(update={"camera": given.model_copy(update=changed)})
 
 
-def to_study_pixels(setup: Setup, size_px: tuple[int, int], points_px: Float) -> Float:
+def to_study_pixels(setup: StudySettings, size_px: tuple[int, int], points_px: Float) -> Float:
     """Points (n, 2) of a recording of this size in the pixels that study.yaml speaks of."""
     scale = recording_scale(setup, size_px)
     return (points_px - (scale - 1) / 2) / scale
@@ -52,7 +52,7 @@ def zoom_homography(factor: float) -> Float:
 
 
 def recording_scale(
-    setup: Setup, size_px: tuple[int, int] | None, name: str = "the recording"
+    setup: StudySettings, size_px: tuple[int, int] | None, name: str = "the recording"
 ) -> float:
     """How many times larger the recording is than the picture study.yaml speaks of."""
     declared = setup.camera.image_size_px

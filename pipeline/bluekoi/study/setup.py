@@ -28,11 +28,11 @@ PlainFloat = Annotated[float, PlainNumberCheck]
 LARGEST_NUMBER = 1e7
 """No length, mass, focal length or pixel of a study in SI units is larger; a slip of the pen is."""
 Positive = Annotated[float, PlainNumberCheck, Field(gt=0, le=LARGEST_NUMBER, allow_inf_nan=False)]
-Number = Annotated[
+BoundedNumber = Annotated[
     float, PlainNumberCheck, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False)
 ]
-Pixel = tuple[Number, Number]
-Row3 = tuple[Number, Number, Number]
+Pixel = tuple[BoundedNumber, BoundedNumber]
+Row3 = tuple[BoundedNumber, BoundedNumber, BoundedNumber]
 ImageSize = tuple[Annotated[int, Field(gt=0)], Annotated[int, Field(gt=0)]]
 
 
@@ -175,7 +175,7 @@ class Camera(Section):
     matrix: tuple[Row3, Row3, Row3] | None = described_field(
         "Camera matrix [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], from `bluekoi calibrate`.", "px", None
     )
-    distortion: tuple[Number, ...] | None = described_field(
+    distortion: tuple[BoundedNumber, ...] | None = described_field(
         "Distortion coefficients in OpenCV's order: pinhole k1, k2, p1, p2, k3 (4, 5, 8, 12 or 14 "
         "numbers); fisheye k1 to k4.",
         "1",
@@ -186,7 +186,7 @@ class Camera(Section):
         "(0, width) in the raw frame, as `bluekoi pool` finds them.",
         "px",
     )
-    pool_corners_height_m: Number = described_field(
+    pool_corners_height_m: BoundedNumber = described_field(
         "Height of the corner marks above the water surface.", "m", 0.0
     )
 
@@ -196,7 +196,7 @@ class Camera(Section):
         return self
 
 
-class Detection(Section):
+class DetectionSettings(Section):
     """How keypoints are found in footage."""
 
     source: str = described_field(
@@ -219,7 +219,7 @@ class Detection(Section):
     )
 
 
-class Setup(Section):
+class StudySettings(Section):
     """The whole of study.yaml."""
 
     pool: Pool = described_field("Size of the pool.", "", Pool())
@@ -233,9 +233,11 @@ class Setup(Section):
         "",
         dict,
     )
-    detection: Detection = described_field("How keypoints are found in footage.", "", Detection())
+    detection: DetectionSettings = described_field(
+        "How keypoints are found in footage.", "", DetectionSettings()
+    )
 
     @model_validator(mode="after")
-    def _check_consistency(self) -> Setup:
+    def _check_consistency(self) -> StudySettings:
         raise_problems(setup_problems(self))
         return self

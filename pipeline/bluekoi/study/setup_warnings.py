@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from .consistency_rules import WIDTH_TO_HEIGHT_RANGE
 
 if TYPE_CHECKING:
-    from .setup import Camera, Robot, Setup
+    from .setup import Camera, Robot, StudySettings
 
 MIN_GYRATION_RADIUS_LENGTHS = 0.1
 """Radius of gyration over length: below, all mass would lie in the middle third of the body."""
@@ -15,7 +15,7 @@ PRINCIPAL_POINT_OFFSET_SHARE = 0.1
 """The axis of a lens meets the sensor within this share of its size from the middle."""
 
 
-def setup_warnings(setup: Setup) -> list[str]:
+def setup_warnings(setup: StudySettings) -> list[str]:
     """A sentence where mass, yaw inertia and size are not those of one body, or the lens is not in
     the middle of the picture. No motion shows the former: coefficients are proportional to the
     mass, those of forces inversely to head span and density.
@@ -54,7 +54,7 @@ def _gyration_radius_warnings(robot: Robot) -> list[str]:
     ]
 
 
-def _body_volume_warnings(setup: Setup) -> list[str]:
+def _body_volume_warnings(setup: StudySettings) -> list[str]:
     """A body displaces its own mass of water: mean width = mass / (density x length x span)."""
     robot = setup.robot
     side = setup.water.density_kg_m3 * robot.body_length_m * robot.head_span_m

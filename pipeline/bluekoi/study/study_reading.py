@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..errors import Finding, InputError
+from ..errors import InputError, InputIssue
 from ..files import found_instead_of_file
 from .image_files import IMAGE_SUFFIXES
 from .study_yaml import read_setup
@@ -30,8 +30,8 @@ def load_study(folder: str | Path, *, only: str | None = None) -> Study:
     if not root.is_dir():
         found = "a file" if root.exists() else "no such folder"
         expected = "a study folder with study.yaml and trials.csv"
-        raise InputError(Finding(str(root), "", found, expected))
-    findings: list[Finding] = []
+        raise InputError(InputIssue(str(root), "", found, expected))
+    findings: list[InputIssue] = []
     setup = read_setup(root / "study.yaml", findings)
     trials = read_trials(root / "trials.csv", findings, only=only)
     if findings or setup is None:
@@ -39,18 +39,18 @@ def load_study(folder: str | Path, *, only: str | None = None) -> Study:
     return Study(root=root.resolve(), setup=setup, trials=tuple(trials))
 
 
-def missing_files(study: Study) -> list[Finding]:
+def missing_files(study: Study) -> list[InputIssue]:
     """A finding for each file that trials.csv points to and that is not there."""
     return [finding for trial in study.trials for finding in missing_files_of_trial(study, trial)]
 
 
-def missing_files_of_trial(study: Study, trial: Trial) -> list[Finding]:
+def missing_files_of_trial(study: Study, trial: Trial) -> list[InputIssue]:
     """A finding for each file of one trial that is not there."""
     motor = study.motor_path(trial)
     paths = [*study.paths(trial), *([motor] if motor else [])]
     return [
         _folder_without_pictures(study, trial, path)
-        or Finding(
+        or InputIssue(
             str(study.root / "trials.csv"),
             f"trial {trial.trial_id}",
             found_instead_of_file(path, f"'{_path_from_csv_cell(path, study.root)}'"),
@@ -61,13 +61,13 @@ def missing_files_of_trial(study: Study, trial: Trial) -> list[Finding]:
     ]
 
 
-def _folder_without_pictures(study: Study, trial: Trial, path: Path) -> Finding | None:
+def _folder_without_pictures(study: Study, trial: Trial, path: Path) -> InputIssue | None:
     """A finding for a source that is a folder in which there is no picture."""
     if path == study.motor_path(trial) or not (trial.reads_images and path.is_dir()):
         return None
     empty = next(path.iterdir(), None) is None
     what = "an empty folder" if empty else "a folder without pictures:"
-    return Finding(
+    return InputIssue(
         str(study.root / "trials.csv"),
         f"trial {trial.trial_id}, source",
         f"{what} '{_path_from_csv_cell(path, study.root)}'",

@@ -1,4 +1,4 @@
-"""study.yaml as a checked `Setup`."""
+"""study.yaml as a checked `StudySettings`."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ import yaml
 from pydantic import ValidationError
 
 from ..data.unique_yaml import load_yaml_without_duplicates
-from ..errors import Finding, unreadable_reason
+from ..errors import InputIssue, unreadable_reason
 from ..files import read_text
-from .setup import Setup
+from .setup import StudySettings
 from .validation_messages import findings_from_validation_error, shortened_repr
 
 MAX_YAML_BYTES = 250_000
 READ_ERRORS = (OSError, UnicodeDecodeError, yaml.YAMLError, ValueError, RecursionError)
 
 
-def read_setup(path: Path, findings: list[Finding]) -> Setup | None:
+def read_setup(path: Path, findings: list[InputIssue]) -> StudySettings | None:
     """The setup in a study.yaml; None if something is wrong, with the errors in `findings`."""
     content = _yaml_content(path, findings)
     if content is None:
         return None
     try:
-        return Setup.model_validate(content)
+        return StudySettings.model_validate(content)
     except ValidationError as error:
-        findings.extend(findings_from_validation_error(str(path), error, Setup))
+        findings.extend(findings_from_validation_error(str(path), error, StudySettings))
     except RecursionError:
-        findings.append(Finding(str(path), "", "values nested without end", "plain yaml"))
+        findings.append(InputIssue(str(path), "", "values nested without end", "plain yaml"))
     return None
 
 
@@ -41,22 +41,22 @@ def lacks_pool_corners(path: Path) -> bool:
     return content is not None and all(given.get(name) is None for name in known)
 
 
-def _yaml_content(path: Path, findings: list[Finding]) -> dict[str, Any] | None:
+def _yaml_content(path: Path, findings: list[InputIssue]) -> dict[str, Any] | None:
     try:
         content = load_yaml_without_duplicates(read_text(path, MAX_YAML_BYTES))
     except FileNotFoundError:
         other = path.with_suffix(".yml")
         remedy = f"Rename {other.name} to {path.name}." if other.is_file() else ""
         findings.append(
-            Finding(str(path), "", "no such file", "a study.yaml in the study folder", remedy)
+            InputIssue(str(path), "", "no such file", "a study.yaml in the study folder", remedy)
         )
         return None
     except READ_ERRORS as error:
         found = f"no readable yaml ({unreadable_reason(error)})"
-        findings.append(Finding(str(path), "", found, "yaml in UTF-8"))
+        findings.append(InputIssue(str(path), "", found, "yaml in UTF-8"))
         return None
     if not isinstance(content, dict):
         found = "an empty file" if content is None else shortened_repr(content)
-        findings.append(Finding(str(path), "", found, "keys pool, robot, camera and others"))
+        findings.append(InputIssue(str(path), "", found, "keys pool, robot, camera and others"))
         return None
     return content

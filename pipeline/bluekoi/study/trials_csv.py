@@ -9,9 +9,9 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from ..errors import Finding, did_you_mean, unreadable_reason
+from ..errors import InputIssue, did_you_mean, unreadable_reason
 from ..files import binary_format, read_text
-from .image_files import names_images
+from .image_files import is_image_source
 from .types import KEYPOINT_SUFFIXES, VIDEO_SUFFIXES, Trial
 from .validation_messages import (
     DECIMAL_POINT_REMEDY,
@@ -21,7 +21,7 @@ from .validation_messages import (
 
 MAX_CSV_BYTES, MAX_TRIALS = 10_000_000, 10_000
 """Ten times the largest study that was tried; a larger file is hardly a list of trials."""
-Rows = list[tuple[int, list[str]]]
+NumberedCells = list[tuple[int, list[str]]]
 MAX_LISTED_COLUMNS, MAX_SHOWN_NAME = 5, 40
 """Unknown columns that are listed one by one, and characters of a name that are compared."""
 PATH_RULE = "a path without '..': relative to the study folder, or absolute"
@@ -30,7 +30,7 @@ OPEN_QUOTE_REMEDY = "Take the mark out, or close it."
 READ_ERRORS = (OSError, UnicodeDecodeError, csv.Error)
 
 
-def read_trials(path: Path, findings: list[Finding], *, only: str | None = None) -> list[Trial]:
+def read_trials(path: Path, findings: list[InputIssue], *, only: str | None = None) -> list[Trial]:
     """The good rows of a trials.csv; errors of the others go to `findings`.
 
     only: this trial's rows alone, if there are any: to check a thousand takes longer than to read
@@ -54,7 +54,7 @@ def read_trials(path: Path, findings: list[Finding], *, only: str | None = None)
            for (number, _), trial in zip(wanted, trials, strict=True) if trial]  # fmt: skip
     findings.extend(_duplicate_id_findings(str(path), ids))
     if only is None and known and all(trial.role == "held_out" for trial in known):
-        findings.append(Finding(str(path), "role", "every trial held out", "one or more to fit"))
+        findings.append(InputIssue(str(path), "role", "every trial held out", "one or more to fit"))
     return known
 
 
@@ -64,41 +64,41 @@ def _trial_id_in_row(names: list[str], row: list[str]) -> str | None:
     return row[at].strip() if at < len(row) else None
 
 
-def _read_numbered_rows(path: Path, findings: list[Finding]) -> Rows:
+def _read_numbered_rows(path: Path, findings: list[InputIssue]) -> NumberedCells:
     """Rows that are not blank, each with the number of its first line in the file."""
     try:
         if kind := binary_format(path):
-            findings.append(Finding(str(path), "", kind, "a csv file in UTF-8", SAVE_REMEDY))
+            findings.append(InputIssue(str(path), "", kind, "a csv file in UTF-8", SAVE_REMEDY))
             return []
         rows = _numbered_rows(read_text(path, MAX_CSV_BYTES))
     except FileNotFoundError:
-        findings.append(Finding(str(path), "", "no such file", "a trials.csv, one row a trial"))
+        findings.append(InputIssue(str(path), "", "no such file", "a trials.csv, one row a trial"))
         return []
     except READ_ERRORS as error:
         remedy = SAVE_REMEDY if isinstance(error, UnicodeDecodeError) else ""
         found = f"no readable csv ({unreadable_reason(error)})"
-        findings.append(Finding(str(path), "", found, "a csv file in UTF-8", remedy))
+        findings.append(InputIssue(str(path), "", found, "a csv file in UTF-8", remedy))
         return []
     wrong = _table_finding(str(path), rows)
     findings.extend([wrong] if wrong else [])
     return [] if wrong else rows
 
 
-def _table_finding(path: str, rows: Rows) -> Finding | None:
+def _table_finding(path: str, rows: NumberedCells) -> InputIssue | None:
     """What is wrong with a table as a whole: too many rows, none, or a quotation mark left open."""
     if len(rows) > MAX_TRIALS + 1:
         expected, remedy = f"{MAX_TRIALS} trials at most", "Split it into several studies."
-        return Finding(path, "", f"{len(rows) - 1} rows", expected, remedy)
+        return InputIssue(path, "", f"{len(rows) - 1} rows", expected, remedy)
     if open_quote := next((n for n, row in rows if any("\n" in cell for cell in row)), None):
         found, remedy = "a quotation mark that is not closed in its row", OPEN_QUOTE_REMEDY
-        return Finding(path, f"row {open_quote}", found, "a row a trial", remedy)
+        return InputIssue(path, f"row {open_quote}", found, "a row a trial", remedy)
     if len(rows) < 2:
         found = "a header without rows" if rows else "an empty file"
-        return Finding(path, "", found, "a header and a row a trial")
+        return InputIssue(path, "", found, "a header and a row a trial")
     return None
 
 
-def _numbered_rows(text: str) -> Rows:
+def _numbered_rows(text: str) -> NumberedCells:
     """Rows of a csv that are not blank, each with the number of its first line."""
     reader = csv.reader(io.StringIO(text, newline=""))
     rows, before = [], 0
@@ -109,16 +109,16 @@ def _numbered_rows(text: str) -> Rows:
     return rows
 
 
-def _header_findings(path: str, number: int, names: list[str]) -> list[Finding]:
+def _header_findings(path: str, number: int, names: list[str]) -> list[InputIssue]:
     where = f"row {number}"
     known = list(Trial.model_fields)
     required = [name for name, info in Trial.model_fields.items() if info.is_required()]
     if len(names) == 1 and (";" in names[0] or "\t" in names[0]):
-        return [Finding(path, where, f"one column '{names[0]}'", "columns separated by commas",
-                        DECIMAL_POINT_REMEDY)]  # fmt: skip
+        return [InputIssue(path, where, f"one column '{names[0]}'", "columns separated by commas",
+                           DECIMAL_POINT_REMEDY)]  # fmt: skip
     others = [name for name in names if name not in known]
     unknown = [
-        Finding(
+        InputIssue(
             path,
             where,
             f"unknown column {shortened_repr(name)}",
@@ -128,14 +128,14 @@ def _header_findings(path: str, number: int, names: list[str]) -> list[Finding]:
         for name in others[:MAX_LISTED_COLUMNS]
     ]
     if (more := len(others) - MAX_LISTED_COLUMNS) > 0:
-        unknown.append(Finding(path, where, f"{more} further unknown columns", "known columns"))
+        unknown.append(InputIssue(path, where, f"{more} further unknown columns", "known columns"))
     missing = [
-        Finding(path, where, f"no column '{name}'", f"the columns {', '.join(required)}")
+        InputIssue(path, where, f"no column '{name}'", f"the columns {', '.join(required)}")
         for name in required
         if name not in names
     ]
     repeated = [
-        Finding(
+        InputIssue(
             path,
             where,
             f"column {shortened_repr(name)} {'twice' if times == 2 else f'{times} times'}",
@@ -148,13 +148,13 @@ def _header_findings(path: str, number: int, names: list[str]) -> list[Finding]:
 
 
 def _parse_trial(
-    path: str, number: int, names: list[str], row: list[str], *, findings: list[Finding]
+    path: str, number: int, names: list[str], row: list[str], *, findings: list[InputIssue]
 ) -> Trial | None:
     if len(row) != len(names):
         where = f"row {number} ({row[0].strip()[:40]}), number of cells"
         expected = f"{len(names)}, as in the header"
         remedy = DECIMAL_POINT_REMEDY if len(row) > len(names) else ""
-        findings.append(Finding(path, where, str(len(row)), expected, remedy))
+        findings.append(InputIssue(path, where, str(len(row)), expected, remedy))
         return None
     cells = {n: cell.strip() for n, cell in zip(names, row, strict=True) if cell.strip()}
     try:
@@ -167,27 +167,27 @@ def _parse_trial(
     return trial
 
 
-def _path_findings(path: str, row: str, trial: Trial) -> list[Finding]:
+def _path_findings(path: str, row: str, trial: Trial) -> list[InputIssue]:
     named = [*(("source", s) for s in trial.sources), ("motor_log", trial.motor_log or "")]
     found = [
-        Finding(path, f"{row}, {column}", repr(name), PATH_RULE)
+        InputIssue(path, f"{row}, {column}", repr(name), PATH_RULE)
         for column, name in named
         if ".." in Path(name).parts or "\0" in name
     ]
     known = {*VIDEO_SUFFIXES, *KEYPOINT_SUFFIXES}
-    films = [name for name in trial.sources if not names_images(name)]
+    films = [name for name in trial.sources if not is_image_source(name)]
     if not trial.sources or not {Path(name).suffix.lower() for name in films} <= known:
         expected = f"a video or keypoint file ({', '.join(sorted(known))}), or pictures: a folder "
         expected += "or a pattern such as T01/*.png"
-        found.append(Finding(path, f"{row}, source", repr(trial.source), expected))
+        found.append(InputIssue(path, f"{row}, source", repr(trial.source), expected))
     elif films and len(films) < len(trial.sources):
-        found.append(Finding(path, f"{row}, source", repr(trial.source), "videos or pictures"))
+        found.append(InputIssue(path, f"{row}, source", repr(trial.source), "videos or pictures"))
     elif trial.reads_keypoints and len(trial.sources) > 1:
-        found.append(Finding(path, f"{row}, source", repr(trial.source), "one keypoint file"))
+        found.append(InputIssue(path, f"{row}, source", repr(trial.source), "one keypoint file"))
     return found
 
 
-def _duplicate_id_findings(path: str, ids: list[tuple[int, str]]) -> list[Finding]:
+def _duplicate_id_findings(path: str, ids: list[tuple[int, str]]) -> list[InputIssue]:
     """Each trial_id that stands in several rows. ids: row number and trial_id."""
     rows_of: dict[str, list[int]] = {}
     for number, name in ids:
@@ -195,7 +195,7 @@ def _duplicate_id_findings(path: str, ids: list[tuple[int, str]]) -> list[Findin
     again = {name for _, name in ids if len(rows_of[name.casefold()]) > 1}
     expected = "each trial_id once (upper and lower case count as the same)"
     return [
-        Finding(
+        InputIssue(
             path,
             "trial_id",
             f"'{name}' {len(rows)} times (rows {', '.join(map(str, rows))})",

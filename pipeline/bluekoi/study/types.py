@@ -11,8 +11,8 @@ from pydantic import Field, field_validator, model_validator
 
 from ..errors import did_you_mean, input_error
 from .consistency_rules import raise_problems, trial_problems
-from .image_files import expand_source, names_images
-from .setup import PlainFloat, Section, Setup, described_field
+from .image_files import expand_source, is_image_source
+from .setup import PlainFloat, Section, StudySettings, described_field
 
 VIDEO_SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".m4v", ".360", ".mts")
 KEYPOINT_SUFFIXES = (".csv", ".h5", ".hdf5", ".slp")
@@ -107,7 +107,7 @@ class Trial(Section):
     @property
     def reads_images(self) -> bool:
         """Whether the source is pictures in files: a folder of them or a pattern."""
-        return not self.reads_keypoints and any(map(names_images, self.sources))
+        return not self.reads_keypoints and any(map(is_image_source, self.sources))
 
     @property
     def start_px(self) -> tuple[float, float] | None:
@@ -131,7 +131,7 @@ class Study(Section):
     """A checked study folder."""
 
     root: Path
-    setup: Setup
+    setup: StudySettings
     trials: tuple[Trial, ...]
 
     def trial(self, trial_id: str) -> Trial:

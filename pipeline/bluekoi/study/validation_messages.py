@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from ..errors import Finding, did_you_mean
+from ..errors import InputIssue, did_you_mean
 from .consistency_rules import COMBINED_FIELDS_ERROR
 
 REMEDIES = {
@@ -29,7 +29,7 @@ _SHORT_REPR.maxlevel = 3
 
 def findings_from_validation_error(
     path: str, error: ValidationError, model: type[BaseModel], *, prefix: str = ""
-) -> list[Finding]:
+) -> list[InputIssue]:
     """One finding for each thing that pydantic refused, in the order of the file."""
     items = [dict(item) for item in error.errors(include_url=False)]
     return [finding for item in items for finding in _findings_from_item(path, model, item, prefix)]
@@ -37,12 +37,12 @@ def findings_from_validation_error(
 
 def _findings_from_item(
     path: str, model: type[BaseModel], item: dict[str, Any], prefix: str
-) -> list[Finding]:
+) -> list[InputIssue]:
     if item["type"] != COMBINED_FIELDS_ERROR:
         return [_finding_from_item(path, model, item, prefix)]
     section = ".".join(map(str, item["loc"]))
     return [
-        Finding(
+        InputIssue(
             path,
             ", ".join(filter(None, [prefix, f"{section}.{one.key}".lstrip(".")])),
             one.found,
@@ -55,22 +55,24 @@ def _findings_from_item(
 
 def _finding_from_item(
     path: str, model: type[BaseModel], item: dict[str, Any], prefix: str
-) -> Finding:
+) -> InputIssue:
     location = item["loc"]
     where = ", ".join(filter(None, [prefix, ".".join(map(str, location))]))
     if item["type"] == "extra_forbidden":
         remedy = did_you_mean(str(location[-1]), _keys_of_same_section(model, location[:-1]))
-        return Finding(path, where, "an unknown key", "a known key", remedy)
+        return InputIssue(path, where, "an unknown key", "a known key", remedy)
     if item["type"] == "invalid_key":
-        return Finding(path, where, f"the key {shortened_repr(item['input'])}",
-                       "a name before each colon", _key_remedy(item["input"]))  # fmt: skip
+        return InputIssue(path, where, f"the key {shortened_repr(item['input'])}",
+                          "a name before each colon", _key_remedy(item["input"]))  # fmt: skip
     if item["type"] == "missing":
         thing = "an entry here" if isinstance(location[-1], int) else "this key, which is required"
-        return Finding(path, where, "nothing", thing)
+        return InputIssue(path, where, "nothing", thing)
     if item["input"] is None:
         remedy = REMEDIES.get(where, "")
-        return Finding(path, where, "nothing", _expected_text(item), remedy)
-    return Finding(path, where, shortened_repr(item["input"]), _expected_text(item), _remedy(item))
+        return InputIssue(path, where, "nothing", _expected_text(item), remedy)
+    return InputIssue(
+        path, where, shortened_repr(item["input"]), _expected_text(item), _remedy(item)
+    )
 
 
 def _key_remedy(key: object) -> str:

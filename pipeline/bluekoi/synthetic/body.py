@@ -37,7 +37,7 @@ MARKER_RADIUS_M = 0.008
 
 
 @dataclass(frozen=True)
-class Part:
+class DrawnShape:
     """One flat shape: outline `(n,)` complex metres, its colour (R, G, B 0 to 255), its opacity."""
 
     outline: np.ndarray
@@ -55,7 +55,7 @@ def tail_angles(beat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return PEDUNCLE_SWING_RAD * np.sin(beat), FIN_SWING_RAD * np.sin(beat - FIN_LAG_RAD)
 
 
-def keypoints(robot: Robot, head_length_m: float, pose: np.ndarray) -> np.ndarray:
+def body_point_positions(robot: Robot, head_length_m: float, pose: np.ndarray) -> np.ndarray:
     """Keypoints `(times, 5)` as x + i y (m), in the order of `KEYPOINTS`, of poses `(times, 5)`."""
     com = pose[:, 0] + 1j * pose[:, 1]
     core = np.exp(1j * pose[:, 2])
@@ -97,7 +97,9 @@ def circle_outline(radius_m: float, count: int = 20) -> np.ndarray:
     return radius_m * np.exp(2j * np.pi * np.arange(count) / count)
 
 
-def _tail_shapes_to_draw(robot: Robot, base: complex, core: complex, beat: float) -> list[Part]:
+def _tail_shapes_to_draw(
+    robot: Robot, base: complex, core: complex, beat: float
+) -> list[DrawnShape]:
     first, second = (complex(np.exp(1j * a)) for a in tail_angles(np.array(beat)))
     root_m = PEDUNCLE_SHARE_OF_TAIL * robot.tail_length_m
     blade_m = (1 - PEDUNCLE_SHARE_OF_TAIL) * robot.tail_length_m
@@ -106,34 +108,34 @@ def _tail_shapes_to_draw(robot: Robot, base: complex, core: complex, beat: float
     blade = _mirrored_outline(-s * blade_m, 0.0012 + 0.0048 * (1 - s) ** 0.8 * (0.55 + s))
     end = base - core * first * root_m
     return [
-        Part(end + core * second * blade, FIN_RGB),
-        Part(end + circle_outline(0.0052, 12), FIN_RGB),
-        Part(base + circle_outline(0.0076, 12), FIN_RGB),
-        Part(base + core * first * root, FIN_RGB),
+        DrawnShape(end + core * second * blade, FIN_RGB),
+        DrawnShape(end + circle_outline(0.0052, 12), FIN_RGB),
+        DrawnShape(base + circle_outline(0.0076, 12), FIN_RGB),
+        DrawnShape(base + core * first * root, FIN_RGB),
     ]
 
 
-def _eyes(hinge: complex, head: complex, head_length_m: float) -> list[Part]:
+def _eyes(hinge: complex, head: complex, head_length_m: float) -> list[DrawnShape]:
     places = [hinge + head * (0.72 * head_length_m + side * 0.0165j) for side in (1, -1)]
-    return [Part(p + circle_outline(0.0042, 12), EYE_RGB) for p in places] + [
-        Part(p + circle_outline(0.0022, 12), JOINT_RGB) for p in places
+    return [DrawnShape(p + circle_outline(0.0042, 12), EYE_RGB) for p in places] + [
+        DrawnShape(p + circle_outline(0.0022, 12), JOINT_RGB) for p in places
     ]
 
 
-def _shaded_parts(outlines: list[np.ndarray], place: complex, axis: complex) -> list[Part]:
+def _shaded_parts(outlines: list[np.ndarray], place: complex, axis: complex) -> list[DrawnShape]:
     colours = (SKIN_RGB, BACK_RGB, HIGHLIGHT_RGB)
     opacities = (1.0, 0.8, 0.45)
     return [
-        Part(place + axis * outline, colour, opacity)
+        DrawnShape(place + axis * outline, colour, opacity)
         for outline, colour, opacity in zip(outlines, colours, opacities, strict=True)
     ]
 
 
 def robot_parts(
     robot: Robot, head_length_m: float, pose: np.ndarray, *, markers: bool = False
-) -> list[Part]:
+) -> list[DrawnShape]:
     """Everything to draw of the robot in one pose `(5,)`, bottom first."""
-    points = keypoints(robot, head_length_m, pose[None])[0]
+    points = body_point_positions(robot, head_length_m, pose[None])[0]
     core = complex(np.exp(1j * pose[2]))
     head = complex(np.exp(1j * (pose[2] - pose[3])))
     hinge, base = complex(points[1]), complex(points[3])
@@ -141,16 +143,16 @@ def robot_parts(
     parts = _tail_shapes_to_draw(robot, base, core, float(pose[4]))
     parts += _shaded_parts([core_outline(robot, inset) for inset in insets], hinge, core)
     parts += [
-        Part(hinge + circle_outline(0.0315), SKIN_RGB),
-        Part(hinge + circle_outline(0.020), JOINT_RGB, 0.55),
+        DrawnShape(hinge + circle_outline(0.0315), SKIN_RGB),
+        DrawnShape(hinge + circle_outline(0.020), JOINT_RGB, 0.55),
     ]
     parts += _shaded_parts([head_outline(head_length_m, inset) for inset in insets], hinge, head)
-    parts += [Part(hinge + circle_outline(0.006), JOINT_RGB)]
+    parts += [DrawnShape(hinge + circle_outline(0.006), JOINT_RGB)]
     parts += _eyes(hinge, head, head_length_m)
     if markers:
         dot = circle_outline(MARKER_RADIUS_M)
         parts += [
-            Part(point + dot, MARKER_RGB[name])
+            DrawnShape(point + dot, MARKER_RGB[name])
             for name, point in zip(KEYPOINTS, points, strict=True)
         ]
     return parts

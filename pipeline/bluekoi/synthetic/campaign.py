@@ -17,7 +17,7 @@ from bluekoi.synthetic.footage import render_frames, visible_keypoints
 from bluekoi.synthetic.motor_log import motor_angles, write_motor_log
 from bluekoi.synthetic.optics import pool_corners
 from bluekoi.synthetic.trial import (
-    Trial,
+    SolvedTrial,
     camera_at,
     frame_truth,
     mean_path,
@@ -27,7 +27,7 @@ from bluekoi.synthetic.trial import (
 )
 
 
-def write_truth(design: StudyDesign, trial: Trial, truth_folder: Path) -> None:
+def write_truth(design: StudyDesign, trial: SolvedTrial, truth_folder: Path) -> None:
     """Write `ID.npz` (per frame) and `ID.json` (steady figures, laws) to the truth folder."""
     name = trial.plan.trial_id
     with atomic_write(truth_folder / f"{name}.npz") as path, path.open("wb") as out:
@@ -37,7 +37,7 @@ def write_truth(design: StudyDesign, trial: Trial, truth_folder: Path) -> None:
     write_json(truth_folder / f"{name}.json", trial_truth(trial))
 
 
-def trial_truth(trial: Trial) -> dict[str, Any]:
+def trial_truth(trial: SolvedTrial) -> dict[str, Any]:
     """What is true of one trial: steady figures, mean path, laws."""
     laws = {"tank": asdict(trial.tank), "run": asdict(trial.run)}
     return {**steady_summary(trial), "mean_path": mean_path(trial), **laws}
@@ -83,7 +83,7 @@ def render_trial(
     return video
 
 
-def write_motor(design: StudyDesign, trial: Trial, folder: Path) -> None:
+def write_motor(design: StudyDesign, trial: SolvedTrial, folder: Path) -> None:
     """Write `motor/ID.csv` of a trial."""
     rng = trial_rng(design, trial.plan.trial_id, "motor")
     rows = motor_angles(trial.motion, float(trial.time_s[-1]), rng)

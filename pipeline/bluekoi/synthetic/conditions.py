@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
-class Conditions:
+class FilmingConditions:
     """State of light, camera and pool during one recording.
 
     noise, chroma_noise     rms of the sensor noise, grey levels of 255
@@ -42,7 +42,7 @@ class Conditions:
     nudge_deg: float = 0.25
 
 
-CALM_CONDITIONS = Conditions(
+CALM_CONDITIONS = FilmingConditions(
     noise=1.0,
     chroma_noise=0.5,
     caustics=0.03,
@@ -51,8 +51,8 @@ CALM_CONDITIONS = Conditions(
     sub_frames=3,
     mbit_s=60.0,
 )
-MIDDLE_CONDITIONS = Conditions()
-HARD_CONDITIONS = Conditions(
+MIDDLE_CONDITIONS = FilmingConditions()
+HARD_CONDITIONS = FilmingConditions(
     noise=5.0,
     chroma_noise=2.5,
     caustics=0.16,
@@ -65,7 +65,7 @@ HARD_CONDITIONS = Conditions(
     preset="superfast",
 )
 
-CONDITIONS_BY_NAME: Mapping[str, Conditions] = {
+CONDITIONS_BY_NAME: Mapping[str, FilmingConditions] = {
     "calm": CALM_CONDITIONS,
     "middle": MIDDLE_CONDITIONS,
     "hard": HARD_CONDITIONS,

@@ -4,11 +4,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 
-from bluekoi.synthetic.conditions import MIDDLE_CONDITIONS, Conditions
-from bluekoi.synthetic.laws import Coefficients, Tank
+from bluekoi.synthetic.conditions import MIDDLE_CONDITIONS, FilmingConditions
+from bluekoi.synthetic.laws import Coefficients, GroundTruthPhysics
 from bluekoi.synthetic.optics import Camera, gopro_like_camera
 
-FLAP_HZ: Mapping[int, float] = {50: 2.37, 75: 4.02, 100: 5.82}
+SIMULATED_FLAP_HZ_BY_POWER: Mapping[int, float] = {50: 2.37, 75: 4.02, 100: 5.82}
 MAX_DURATION_S: Mapping[int, float] = {50: 6.4, 75: 4.4, 100: 3.4}
 
 
@@ -33,12 +33,12 @@ class StudyDesign:
 
     name: str
     plans: tuple[TrialPlan, ...]
-    tank: Tank
+    tank: GroundTruthPhysics
     seed: int
     camera: Camera = field(default_factory=gopro_like_camera)
-    conditions: Conditions = MIDDLE_CONDITIONS
+    conditions: FilmingConditions = MIDDLE_CONDITIONS
     coefficients_at: Mapping[int, Coefficients] = field(default_factory=dict)
-    flap_hz: Mapping[int, float] = field(default_factory=lambda: dict(FLAP_HZ))
+    flap_hz: Mapping[int, float] = field(default_factory=lambda: dict(SIMULATED_FLAP_HZ_BY_POWER))
     flap_spread: float = 0.004
     water_rms_m_s: float = 0.0
     pool_depth_m: float = 0.3
@@ -77,12 +77,14 @@ def numbered_plans(
 
 def demo_design(seed: int = 11) -> StudyDesign:
     """24 trials at 1080p: fin, gently moving water, recoil, and linear yaw damping."""
-    tank = Tank(yaw_damping_n_m_s=0.03)
+    tank = GroundTruthPhysics(yaw_damping_n_m_s=0.03)
     plans = numbered_plans((50, 75, 100), DEMO_SETTINGS)
     return StudyDesign("demo", plans, tank, seed, water_rms_m_s=0.001, conditions=DEMO_CONDITIONS)
 
 
-def conditions_design(state: Conditions, seed: int = 13, *, longest_s: float = 3.4) -> StudyDesign:
+def filming_conditions_design(
+    state: FilmingConditions, seed: int = 13, *, longest_s: float = 3.4
+) -> StudyDesign:
     """Three trials (straight, turn to either side) filmed under the given conditions."""
     plans = (
         TrialPlan("T01", 100, 0.0, 0.12, longest_s),

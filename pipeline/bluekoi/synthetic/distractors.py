@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from bluekoi.synthetic.body import Part, circle_outline
+from bluekoi.synthetic.body import DrawnShape, circle_outline
 
 BAR_HEIGHT_M = 0.30
 HAND_HEIGHT_M = 0.06
@@ -18,12 +18,16 @@ def _rectangle_outline(x0: float, x1: float, y0: float, y1: float) -> np.ndarray
     return np.array([x0 + 1j * y0, x1 + 1j * y0, x1 + 1j * y1, x0 + 1j * y1])
 
 
-def crossbar(pool_m: tuple[float, float]) -> list[Part]:
+def crossbar(pool_m: tuple[float, float]) -> list[DrawnShape]:
     """A lamp rail across the pool's middle, above the water."""
     x, width = 0.5 * pool_m[0], pool_m[1]
     return [
-        Part(_rectangle_outline(x - 0.02, x + 0.02, -0.6, width + 0.6), (150.0, 152.0, 155.0)),
-        Part(_rectangle_outline(x - 0.006, x + 0.002, -0.6, width + 0.6), (205.0, 207.0, 210.0)),
+        DrawnShape(
+            _rectangle_outline(x - 0.02, x + 0.02, -0.6, width + 0.6), (150.0, 152.0, 155.0)
+        ),
+        DrawnShape(
+            _rectangle_outline(x - 0.006, x + 0.002, -0.6, width + 0.6), (205.0, 207.0, 210.0)
+        ),
     ]
 
 
@@ -34,13 +38,13 @@ def _rounded_rod(begin: complex, end: complex, half_m: float) -> np.ndarray:
     return np.concatenate([end + arc, begin - arc])
 
 
-def _hand_outlines(wrist: complex, toward: complex) -> list[Part]:
+def _hand_outlines(wrist: complex, toward: complex) -> list[DrawnShape]:
     """Forearm, palm, four fingers and thumb of a hand that points along `toward`."""
     palm = wrist + 0.06 * toward
     parts = [
-        Part(_rounded_rod(wrist - 0.9 * toward, wrist - 0.16 * toward, 0.048), SLEEVE_RGB),
-        Part(_rounded_rod(wrist - 0.20 * toward, wrist, 0.030), HAND_RGB),
-        Part(
+        DrawnShape(_rounded_rod(wrist - 0.9 * toward, wrist - 0.16 * toward, 0.048), SLEEVE_RGB),
+        DrawnShape(_rounded_rod(wrist - 0.20 * toward, wrist, 0.030), HAND_RGB),
+        DrawnShape(
             palm + toward * (circle_outline(0.048).real + 0.9j * circle_outline(0.048).imag),
             HAND_RGB,
         ),
@@ -48,9 +52,12 @@ def _hand_outlines(wrist: complex, toward: complex) -> list[Part]:
     for k, length in enumerate((0.065, 0.078, 0.074, 0.055)):
         root = palm + toward * (0.035 + 1j * (0.030 - 0.020 * k))
         spread = toward * np.exp(1j * (0.14 - 0.09 * k))
-        parts.append(Part(_rounded_rod(root, root + length * spread, 0.0085), HAND_RGB))
+        parts.append(DrawnShape(_rounded_rod(root, root + length * spread, 0.0085), HAND_RGB))
     root = palm + toward * (-0.01 + 0.040j)
-    return [*parts, Part(_rounded_rod(root, root + 0.05 * toward * np.exp(0.8j), 0.0095), HAND_RGB)]
+    return [
+        *parts,
+        DrawnShape(_rounded_rod(root, root + 0.05 * toward * np.exp(0.8j), 0.0095), HAND_RGB),
+    ]
 
 
 def _smoothstep(x: float) -> float:
@@ -58,7 +65,9 @@ def _smoothstep(x: float) -> float:
     return x * x * (3 - 2 * x)
 
 
-def hand(time_s: float, released_at: complex, pool_m: tuple[float, float]) -> list[Part]:
+def hand_parts_at_time(
+    time_s: float, released_at: complex, pool_m: tuple[float, float]
+) -> list[DrawnShape]:
     """The hand that lets the robot go at its start, draws back, and later reaches in elsewhere."""
     first = 1 - _smoothstep((time_s - 0.12) / 0.8)
     middle = 0.5 * sum(SECOND_HAND_ENTRY_S)
@@ -67,7 +76,7 @@ def hand(time_s: float, released_at: complex, pool_m: tuple[float, float]) -> li
     near_top = released_at.imag > 0.5 * pool_m[1]
     wall = pool_m[1] + 0.25 if near_top else -0.25
     toward = -1j if near_top else 1j
-    parts: list[Part] = []
+    parts: list[DrawnShape] = []
     if first > 0:
         target = released_at.imag - toward.imag * 0.13
         parts += _hand_outlines(complex(released_at.real, wall + first * (target - wall)), toward)
@@ -77,7 +86,7 @@ def hand(time_s: float, released_at: complex, pool_m: tuple[float, float]) -> li
     return parts
 
 
-def second_body(time_s: float, pool_m: tuple[float, float]) -> list[Part]:
+def second_body(time_s: float, pool_m: tuple[float, float]) -> list[DrawnShape]:
     """A dark toy fish, half the robot's size, that wanders about the pool at about 0.15 m/s."""
     length, width = pool_m
     angle = 0.28 * time_s + 0.6
@@ -93,6 +102,6 @@ def second_body(time_s: float, pool_m: tuple[float, float]) -> list[Part]:
     wag = np.exp(0.5j * math.sin(9.0 * time_s))
     tail = np.array([0.005, -0.05 + 0.02j, -0.05 - 0.02j]) * wag - 0.075
     return [
-        Part(place + axis * tail, (70.0, 52.0, 44.0)),
-        Part(place + axis * body, (88.0, 64.0, 52.0)),
+        DrawnShape(place + axis * tail, (70.0, 52.0, 44.0)),
+        DrawnShape(place + axis * body, (88.0, 64.0, 52.0)),
     ]

@@ -28,7 +28,7 @@ def water_velocity(eddies: tuple[Eddy, ...], time_s: float, place: complex) -> c
     return complex(u, v)
 
 
-def draw_eddies(rng: np.random.Generator, rms_m_s: float, *, count: int = 6) -> tuple[Eddy, ...]:
+def random_eddies(rng: np.random.Generator, rms_m_s: float, *, count: int = 6) -> tuple[Eddy, ...]:
     """Random eddies of 1 to 3 m wavelength and 4 to 12 s period with the given rms speed (m/s)."""
     if rms_m_s == 0:
         return ()

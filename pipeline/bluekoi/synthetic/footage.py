@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 
 from bluekoi.synthetic import distractors
-from bluekoi.synthetic.body import Part
-from bluekoi.synthetic.conditions import Conditions
+from bluekoi.synthetic.body import DrawnShape
+from bluekoi.synthetic.conditions import FilmingConditions
 from bluekoi.synthetic.design import StudyDesign
 from bluekoi.synthetic.frame_drawing import (
     FilmSetup,
@@ -21,15 +21,15 @@ from bluekoi.synthetic.frame_drawing import (
     noise_tiles,
 )
 from bluekoi.synthetic.glare import add_glare, random_lamp_reflections
-from bluekoi.synthetic.optics import Camera, project
-from bluekoi.synthetic.scene import Scene, build_scene
-from bluekoi.synthetic.trial import Trial, camera_at, trial_rng
+from bluekoi.synthetic.optics import Camera, pool_points_to_pixels
+from bluekoi.synthetic.scene import PoolImagery, build_scene
+from bluekoi.synthetic.trial import SolvedTrial, camera_at, trial_rng
 
 
 @lru_cache(maxsize=3)
 def _cached_scene(
     camera: Camera, caustics: float, pool: tuple[float, float, float], seed: int
-) -> Scene:
+) -> PoolImagery:
     return build_scene(camera, caustics, pool_m=pool[:2], depth_m=pool[2], seed=seed)
 
 
@@ -47,14 +47,14 @@ def scene_at(design: StudyDesign, time_s: float) -> FilmSetup:
     )
 
 
-def _release_time_s(trial: Trial) -> complex:
+def _release_time_s(trial: SolvedTrial) -> complex:
     x, y, psi = trial.run.start
     return complex(x, y) - 0.10 * complex(math.cos(psi), math.sin(psi))
 
 
 def distractors_at(
-    state: Conditions, trial: Trial, time_s: float
-) -> list[tuple[list[Part], float]]:
+    state: FilmingConditions, trial: SolvedTrial, time_s: float
+) -> list[tuple[list[DrawnShape], float]]:
     """Bodies over the water at a time, each with its height (m)."""
     pool = trial.tank.pool_m
     bodies = []
@@ -62,13 +62,16 @@ def distractors_at(
         bodies.append((distractors.crossbar(pool), distractors.BAR_HEIGHT_M))
     if state.hand:
         bodies.append(
-            (distractors.hand(time_s, _release_time_s(trial), pool), distractors.HAND_HEIGHT_M)
+            (
+                distractors.hand_parts_at_time(time_s, _release_time_s(trial), pool),
+                distractors.HAND_HEIGHT_M,
+            )
         )
     return [(parts, height) for parts, height in bodies if parts]
 
 
 def render_frame(
-    design: StudyDesign, trial: Trial, stage: FilmSetup, *, number: int, offset: int
+    design: StudyDesign, trial: SolvedTrial, stage: FilmSetup, *, number: int, offset: int
 ) -> ImagePlanes:
     """One frame without noise: pool, bodies in the water, the robot, bodies above, glare."""
     state, now = design.conditions, float(trial.time_s[number])
@@ -92,7 +95,7 @@ def render_frame(
     return planes
 
 
-def render_frames(design: StudyDesign, trial: Trial) -> Iterator[ImagePlanes]:
+def render_frames(design: StudyDesign, trial: SolvedTrial) -> Iterator[ImagePlanes]:
     """The frames of a trial, in order, with sensor noise."""
     moved_at_s = design.conditions.nudge_at_s
     before = scene_at(design, -math.inf)
@@ -105,14 +108,16 @@ def render_frames(design: StudyDesign, trial: Trial) -> Iterator[ImagePlanes]:
         yield add_noise(clean, stage, rng)
 
 
-def _occluded(camera: Camera, pixels: np.ndarray, parts: list[Part], height_m: float) -> np.ndarray:
+def _occluded(
+    camera: Camera, pixels: np.ndarray, parts: list[DrawnShape], height_m: float
+) -> np.ndarray:
     """Which of pixels `(5, 2)` lie behind a body."""
     hidden = np.zeros(len(pixels), bool)
     for part in parts:
         place = np.column_stack(
             [part.outline.real, part.outline.imag, np.full(len(part.outline), height_m)]
         )
-        outline = project(camera, place).astype(np.float32)
+        outline = pool_points_to_pixels(camera, place).astype(np.float32)
         hidden |= [
             cv2.pointPolygonTest(outline, (float(u), float(v)), measureDist=False) >= 0
             for u, v in pixels
@@ -120,7 +125,9 @@ def _occluded(camera: Camera, pixels: np.ndarray, parts: list[Part], height_m: f
     return hidden
 
 
-def visible_keypoints(design: StudyDesign, trial: Trial, keypoints_px: np.ndarray) -> np.ndarray:
+def visible_keypoints(
+    design: StudyDesign, trial: SolvedTrial, keypoints_px: np.ndarray
+) -> np.ndarray:
     """Which keypoints `(frames, 5)` are in the picture and behind nothing."""
     width, height = design.conditions.size_px
     inside = (keypoints_px > -0.5) & (keypoints_px < np.array([width, height]) - 0.5)

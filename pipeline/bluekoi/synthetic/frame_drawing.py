@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from bluekoi.synthetic.body import Part, robot_parts
-from bluekoi.synthetic.conditions import Conditions
+from bluekoi.synthetic.body import DrawnShape, robot_parts
+from bluekoi.synthetic.conditions import FilmingConditions
 from bluekoi.synthetic.glare import GlarePatch
 from bluekoi.synthetic.laws import Robot
-from bluekoi.synthetic.optics import Camera, project
+from bluekoi.synthetic.optics import Camera, pool_points_to_pixels
 from bluekoi.synthetic.raster import paint_polygons, pixels_to_canvas
-from bluekoi.synthetic.scene import FLOOR_RGB, Scene, to_yuv
+from bluekoi.synthetic.scene import FLOOR_RGB, PoolImagery, to_yuv
 
 SHADOW_SHIFT_M = 0.05 - 0.035j
 NOISE_MARGIN_PX = 256
@@ -31,9 +31,9 @@ class ImagePlanes:
 class FilmSetup:
     """What stays the same over a recording: pool, camera, conditions, noise tiles, lamps."""
 
-    scene: Scene
+    scene: PoolImagery
     camera: Camera
-    conditions: Conditions
+    conditions: FilmingConditions
     tiles: tuple[np.ndarray, np.ndarray]
     lamps: tuple[GlarePatch, ...] = ()
 
@@ -59,7 +59,7 @@ def add_light(stage: FilmSetup, frame: int) -> ImagePlanes:
     return ImagePlanes(luma, scene.chroma.copy(), light)
 
 
-def _part_colours(parts: Sequence[Part], contrast: float) -> np.ndarray:
+def _part_colours(parts: Sequence[DrawnShape], contrast: float) -> np.ndarray:
     rgb = np.array([part.colour for part in parts])
     mixed = np.array(FLOOR_RGB) + contrast * (rgb - np.array(FLOOR_RGB))
     return np.column_stack([to_yuv(mixed), [part.opacity for part in parts]])
@@ -94,7 +94,7 @@ def _composite_over(planes: ImagePlanes, canvas: np.ndarray, box: tuple[int, ...
 def draw_body(
     planes: ImagePlanes,
     stage: FilmSetup,
-    poses: Sequence[Sequence[Part]],
+    poses: Sequence[Sequence[DrawnShape]],
     *,
     height_m: float,
     contrast: float = 1.0,
@@ -103,7 +103,7 @@ def draw_body(
     outlines = [part.outline for parts in poses for part in parts]
     flat = np.concatenate(outlines)
     points = np.column_stack([flat.real, flat.imag, np.full(len(flat), height_m)])
-    pixels = project(stage.camera, points)
+    pixels = pool_points_to_pixels(stage.camera, points)
     box = _frame_box(pixels, stage.camera.size_px, 2)
     if box[2] <= box[0] or box[3] <= box[1]:
         return
@@ -126,12 +126,12 @@ def draw_body(
 
 
 def _draw_shadow(
-    planes: ImagePlanes, stage: FilmSetup, parts: Sequence[Part], depth_m: float
+    planes: ImagePlanes, stage: FilmSetup, parts: Sequence[DrawnShape], depth_m: float
 ) -> None:
     """A soft shadow of a body on the floor, in place."""
     flat = np.concatenate([part.outline + SHADOW_SHIFT_M for part in parts])
     points = np.column_stack([flat.real, flat.imag, np.full(len(flat), -depth_m)])
-    pixels = project(stage.camera, points)
+    pixels = pool_points_to_pixels(stage.camera, points)
     box = _frame_box(pixels, stage.camera.size_px, 16)
     if box[2] <= box[0] or box[3] <= box[1]:
         return

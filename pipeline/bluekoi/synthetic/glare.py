@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from bluekoi.synthetic.optics import Camera, project
+from bluekoi.synthetic.optics import Camera, pool_points_to_pixels
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def random_lamp_reflections(
     for _ in range(count):
         x, y = rng.uniform(0.15, 0.85, 2) * np.array(pool_m)
         share = _lamp_image(rng, length_px * rng.uniform(0.6, 1.4))
-        middle = project(camera, np.array([[x, y, 0.0]]))[0]
+        middle = pool_points_to_pixels(camera, np.array([[x, y, 0.0]]))[0]
         corner = tuple(int(c - share.shape[0] / 2) // 2 * 2 for c in middle)
         patch = GlarePatch(
             share, (corner[0], corner[1]), rng.uniform(0, 6.28), rng.uniform(0.8, 2.2)

@@ -68,7 +68,7 @@ class Recoil:
 
 
 @dataclass(frozen=True)
-class Tank:
+class GroundTruthPhysics:
     """All laws that hold in one pool.
 
     yaw_damping_n_m_s: `N_r` of the moment `-N_r r` (N m s), which the published model lacks.
@@ -107,7 +107,7 @@ class TrialSettings:
     start_beat_rad: float = 0.0
 
 
-def published_model_tank(tank: Tank) -> Tank:
+def published_model_tank(tank: GroundTruthPhysics) -> GroundTruthPhysics:
     """The paper's model exactly: no fin, no recoil, still water, no damping."""
     return replace(tank, fin=None, recoil=None, eddies=(), yaw_damping_n_m_s=0.0)
 
@@ -118,12 +118,14 @@ def aerodynamic_arm(robot: Robot, head_length_m: float) -> float:
     return head_length_m + robot.hinge_to_com_m - body / 4
 
 
-def plate_area(tank: Tank, run: TrialSettings) -> float:
+def plate_area(tank: GroundTruthPhysics, run: TrialSettings) -> float:
     """Area (m^2) of the head plate: length times span."""
     return run.head_length_m * tank.robot.head_span_m
 
 
-def head_plate_load(tank: Tank, run: TrialSettings, situation: FlowState) -> tuple[complex, float]:
+def head_plate_load(
+    tank: GroundTruthPhysics, run: TrialSettings, situation: FlowState
+) -> tuple[complex, float]:
     """Force (N) and yaw moment (N m) on the head plate: eqs. 2 to 8.
 
     `L = q C_L i v_hat`, `D = -q C_D v_hat`, moment `q C_M + N l`,
@@ -142,7 +144,7 @@ def head_plate_load(tank: Tank, run: TrialSettings, situation: FlowState) -> tup
     return lift + drag, q * c.C_Ma * math.sin(two_alpha) + normal * arm
 
 
-def fin_load(tank: Tank, situation: FlowState) -> tuple[complex, float]:
+def fin_load(tank: GroundTruthPhysics, situation: FlowState) -> tuple[complex, float]:
     """Force (N) and yaw moment (N m) of the second plate: `Y = -1/2 rho S a u_f w_f`, at `-arm`."""
     if tank.fin is None:
         return 0j, 0.0
@@ -154,7 +156,7 @@ def fin_load(tank: Tank, situation: FlowState) -> tuple[complex, float]:
     return side_force * 1j * axis, -tank.fin.arm_m * side_force
 
 
-def thrust(tank: Tank, run: TrialSettings, situation: FlowState) -> complex:
+def thrust(tank: GroundTruthPhysics, run: TrialSettings, situation: FlowState) -> complex:
     """Thrust (N), eq. 1: `C_T 1/2 rho A f^2` along the core, through the centre of mass."""
     size = 0.5 * tank.density_kg_m3 * plate_area(tank, run) * run.flap_hz**2
     return tank.coefficients.C_T * size * cmath.exp(1j * situation.psi)

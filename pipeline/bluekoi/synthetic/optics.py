@@ -142,7 +142,7 @@ def _apply_lens(camera: Camera, xy: np.ndarray) -> np.ndarray:
     return _fisheye_pixels(camera, xy) if camera.lens == "fisheye" else _pinhole_pixels(camera, xy)
 
 
-def project(camera: Camera, points_pool: np.ndarray) -> np.ndarray:
+def pool_points_to_pixels(camera: Camera, points_pool: np.ndarray) -> np.ndarray:
     """Pixels `(n, 2)` of pool points `(n, 3)`; those under water are seen through the surface."""
     points = np.asarray(points_pool, dtype=float).reshape(-1, 3)
     seen = surface_point(camera, points) - np.array(camera.centre_m)
@@ -151,7 +151,7 @@ def project(camera: Camera, points_pool: np.ndarray) -> np.ndarray:
     return bent * np.array(camera.focal_px) + np.array(camera.middle_px)
 
 
-def to_pool(camera: Camera, pixels: np.ndarray, depth_m: float) -> np.ndarray:
+def pixels_to_pool_points(camera: Camera, pixels: np.ndarray, depth_m: float) -> np.ndarray:
     """Pool points `(n, 2)` at a depth (m, downwards) that appear at pixels `(n, 2)`.
 
     The lens is inverted by Newton steps with a numeric slope, the refraction is closed form.
@@ -178,4 +178,6 @@ def pool_corners(camera: Camera, pool_m: tuple[float, float], height_m: float = 
     """Pixels `(4, 2)` of the pool's corners (0,0), (L,0), (L,W), (0,W) at a height (m)."""
     length, width = pool_m
     ground = [(0, 0), (length, 0), (length, width), (0, width)]
-    return project(camera, np.array([(x, y, height_m) for x, y in ground], dtype=float))
+    return pool_points_to_pixels(
+        camera, np.array([(x, y, height_m) for x, y in ground], dtype=float)
+    )

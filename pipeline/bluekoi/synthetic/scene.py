@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from bluekoi.synthetic.optics import Camera, to_pool
+from bluekoi.synthetic.optics import Camera, pixels_to_pool_points
 
 RIM_WIDTH_M = 0.055
 CAUSTIC_FRAMES = 120
@@ -18,7 +18,7 @@ RAY_DEFLECTION = 0.16
 
 
 @dataclass(frozen=True)
-class Scene:
+class PoolImagery:
     """What does not depend on the robot, for one camera.
 
     luma `(v, u)` and chroma `(2, v/2, u/2)` uint8 of the resting pool; `water` `(v, u)` uint8,
@@ -45,7 +45,9 @@ def pool_map(camera: Camera, depth_m: float, step: int = 1) -> np.ndarray:
     u = np.arange(-coarse, width + 2 * coarse, coarse)
     v = np.arange(-coarse, height + 2 * coarse, coarse)
     grid = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    known = to_pool(camera, grid, depth_m).reshape(len(v), len(u), 2).astype(np.float32)
+    known = (
+        pixels_to_pool_points(camera, grid, depth_m).reshape(len(v), len(u), 2).astype(np.float32)
+    )
     full = (math.ceil(width / step), math.ceil(height / step))
     scale = step / coarse
     matrix = np.array([[scale, 0, 1], [0, scale, 1]], dtype=float)
@@ -178,7 +180,7 @@ def caustics(floor: np.ndarray, strength: float, seed: int) -> np.ndarray:
 
 def build_scene(
     camera: Camera, caustic_rms: float, *, pool_m: tuple[float, float], depth_m: float, seed: int
-) -> Scene:
+) -> PoolImagery:
     """Still picture and moving light for a camera; the same seed gives the same pool."""
     rgb, wet = _still_picture(camera, pool_m, depth_m, seed)
     yuv = to_yuv(rgb)
@@ -187,7 +189,7 @@ def build_scene(
     light = caustics(pool_map(camera, depth_m, CAUSTIC_STEP_PX), caustic_rms, seed + 1)
     small = cv2.resize(wet, light.shape[:0:-1], interpolation=cv2.INTER_AREA)
     light = np.round(128 + (light.astype(np.float32) - 128) * small).astype(np.uint8)
-    return Scene(
+    return PoolImagery(
         luma=np.clip(np.round(yuv[..., 0]), 0, 255).astype(np.uint8),
         chroma=np.clip(np.round(np.stack(chroma)), 0, 255).astype(np.uint8),
         water=np.round(255 * wet).astype(np.uint8),

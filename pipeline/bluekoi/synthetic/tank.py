@@ -17,8 +17,8 @@ from scipy.integrate import solve_ivp
 from bluekoi.synthetic.eddies import water_velocity
 from bluekoi.synthetic.laws import (
     FlowState,
+    GroundTruthPhysics,
     Recoil,
-    Tank,
     TrialSettings,
     fin_load,
     head_plate_load,
@@ -63,7 +63,9 @@ def recoil_motion(
     return sway, recoil.heading_rad * onset * np.sin(beat - recoil.lag_rad)
 
 
-def flow_state(tank: Tank, run: TrialSettings, *, time_s: float, state: np.ndarray) -> FlowState:
+def flow_state(
+    tank: GroundTruthPhysics, run: TrialSettings, *, time_s: float, state: np.ndarray
+) -> FlowState:
     """What the forces depend on at one instant, water motion taken off the velocity."""
     moving = water_velocity(tank.eddies, time_s, complex(state[0], state[1]))
     psi = float(state[2])
@@ -72,7 +74,7 @@ def flow_state(tank: Tank, run: TrialSettings, *, time_s: float, state: np.ndarr
 
 
 def state_derivative(
-    tank: Tank, run: TrialSettings, *, time_s: float, state: np.ndarray
+    tank: GroundTruthPhysics, run: TrialSettings, *, time_s: float, state: np.ndarray
 ) -> list[float]:
     """Time derivative of the state (eq. 8 with whatever the tank adds)."""
     now = flow_state(tank, run, time_s=time_s, state=state)
@@ -87,8 +89,8 @@ def state_derivative(
     return [state[3], state[4], state[5], a.real, a.imag, turn, 2 * math.pi * run.flap_hz]
 
 
-def simulate(
-    tank: Tank, run: TrialSettings, duration_s: float, *, rtol: float = 1e-9
+def simulate_true_motion(
+    tank: GroundTruthPhysics, run: TrialSettings, duration_s: float, *, rtol: float = 1e-9
 ) -> TrialMotion:
     """The trial from rest at `run.start`, by DOP853 with dense output."""
     start = [*run.start, 0.0, 0.0, 0.0, run.start_beat_rad]
@@ -109,10 +111,12 @@ def simulate(
     return TrialMotion(duration_s, solution.sol, head_angle, tank.recoil)
 
 
-def steady_turn(tank: Tank, run: TrialSettings, *, settle_s: float = 16.0) -> tuple[float, float]:
+def true_steady_speed_and_radius(
+    tank: GroundTruthPhysics, run: TrialSettings, *, settle_s: float = 16.0
+) -> tuple[float, float]:
     """Speed (m/s) and radius (m, infinite when straight) that the trial tends to in still water."""
     still = replace(tank, eddies=(), pool_m=(1e3, 1e3))
     away = replace(run, start=(500.0, 500.0, 0.0))
-    state = simulate(still, away, settle_s, rtol=1e-8).mean(np.array([settle_s]))[0]
+    state = simulate_true_motion(still, away, settle_s, rtol=1e-8).mean(np.array([settle_s]))[0]
     speed = math.hypot(state[3], state[4])
     return speed, speed / abs(state[5]) if abs(state[5]) > 1e-6 else math.inf

@@ -7,13 +7,13 @@ from fractions import Fraction
 
 import numpy as np
 
-from bluekoi.synthetic.body import keypoints
+from bluekoi.synthetic.body import body_point_positions
 from bluekoi.synthetic.design import StudyDesign, TrialPlan
-from bluekoi.synthetic.eddies import draw_eddies
+from bluekoi.synthetic.eddies import random_eddies
 from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
-from bluekoi.synthetic.laws import Tank, TrialSettings
-from bluekoi.synthetic.optics import Camera, displaced_camera, project, resized_camera
-from bluekoi.synthetic.tank import TrialMotion, simulate, steady_turn
+from bluekoi.synthetic.laws import GroundTruthPhysics, TrialSettings
+from bluekoi.synthetic.optics import Camera, displaced_camera, pool_points_to_pixels, resized_camera
+from bluekoi.synthetic.tank import TrialMotion, simulate_true_motion, true_steady_speed_and_radius
 
 START_HEADINGS = 72
 """Directions tried for the start of a trial, evenly over the circle."""
@@ -26,11 +26,11 @@ PATH_STEP_S = 0.05
 
 
 @dataclass(frozen=True)
-class Trial:
+class SolvedTrial:
     """A solved trial: plan, laws, start, motion, and its frame times (s, mid-exposure)."""
 
     plan: TrialPlan
-    tank: Tank
+    tank: GroundTruthPhysics
     run: TrialSettings
     motion: TrialMotion
     time_s: np.ndarray
@@ -42,11 +42,11 @@ def trial_rng(design: StudyDesign, trial_id: str, purpose: str) -> np.random.Gen
 
 
 def _keypoint_path(
-    tank: Tank, plan: TrialPlan, motion: TrialMotion, until_s: float
+    tank: GroundTruthPhysics, plan: TrialPlan, motion: TrialMotion, until_s: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Check times and the keypoints `(times, 5)` at them (x + i y, m)."""
     time_s = np.arange(0, until_s + 1e-9, CHECK_STEP_S)
-    return time_s, keypoints(tank.robot, plan.head_length_m, motion.pose(time_s))
+    return time_s, body_point_positions(tank.robot, plan.head_length_m, motion.pose(time_s))
 
 
 def _frames_fitting_in(points: np.ndarray, room: tuple[float, float]) -> int:
@@ -58,13 +58,13 @@ def _frames_fitting_in(points: np.ndarray, room: tuple[float, float]) -> int:
 
 
 def _find_start(
-    design: StudyDesign, tank: Tank, plan: TrialPlan, run: TrialSettings
+    design: StudyDesign, tank: GroundTruthPhysics, plan: TrialPlan, run: TrialSettings
 ) -> tuple[float, float, float]:
     """A start from which the path stays off the walls for as long as can be."""
     rng = trial_rng(design, plan.trial_id, "start")
     far = replace(tank, eddies=(), pool_m=(1e3, 1e3))
     away = replace(run, start=(500.0, 500.0, 0.0))
-    motion = simulate(far, away, plan.longest_s, rtol=1e-7)
+    motion = simulate_true_motion(far, away, plan.longest_s, rtol=1e-7)
     points = _keypoint_path(tank, plan, motion, plan.longest_s)[1] - (500 + 500j)
     return start_pose_in_pool(design, tank.pool_m, points, rng)
 
@@ -86,7 +86,9 @@ def start_pose_in_pool(
     return place[0], place[1], float(turns[best])
 
 
-def time_until_wall(design: StudyDesign, tank: Tank, plan: TrialPlan, motion: TrialMotion) -> float:
+def time_until_wall(
+    design: StudyDesign, tank: GroundTruthPhysics, plan: TrialPlan, motion: TrialMotion
+) -> float:
     """Time (s) until which every keypoint keeps half the margin to the walls."""
     time_s, points = _keypoint_path(tank, plan, motion, plan.longest_s)
     gap = np.minimum(
@@ -99,14 +101,14 @@ def time_until_wall(design: StudyDesign, tank: Tank, plan: TrialPlan, motion: Tr
 
 def solve_trial(
     design: StudyDesign, trial_id: str, *, rate: Fraction = GOPRO_FRAME_RATE_HZ
-) -> Trial:
+) -> SolvedTrial:
     """The solved trial of a design, from its seed."""
     plan = design.plan(trial_id)
     rng = trial_rng(design, trial_id, "motion")
     tank = replace(
         design.tank,
         coefficients=design.coefficients_at.get(plan.power_pct, design.tank.coefficients),
-        eddies=draw_eddies(rng, design.water_rms_m_s),
+        eddies=random_eddies(rng, design.water_rms_m_s),
     )
     run = TrialSettings(
         flap_hz=design.flap_hz[plan.power_pct] * (1 + design.flap_spread * rng.standard_normal()),
@@ -115,9 +117,9 @@ def solve_trial(
         start_beat_rad=float(rng.uniform(0, 2 * math.pi)),
     )
     run = replace(run, start=_find_start(design, tank, plan, run))
-    motion = simulate(tank, run, plan.longest_s)
+    motion = simulate_true_motion(tank, run, plan.longest_s)
     frames = int(time_until_wall(design, tank, plan, motion) * rate) + 1
-    return Trial(plan, tank, run, motion, np.arange(frames) / float(rate))
+    return SolvedTrial(plan, tank, run, motion, np.arange(frames) / float(rate))
 
 
 def camera_at(design: StudyDesign, time_s: float) -> Camera:
@@ -134,28 +136,28 @@ def camera_at(design: StudyDesign, time_s: float) -> Camera:
 
 
 def keypoint_pixels(
-    design: StudyDesign, trial: Trial, points: np.ndarray, *, sinking_m_s: float = 0.0
+    design: StudyDesign, trial: SolvedTrial, points: np.ndarray, *, sinking_m_s: float = 0.0
 ) -> np.ndarray:
     """Pixels `(frames, 5, 2)` of keypoints `(frames, 5)` (x + i y, m) at the keypoint depth."""
     flat = points.ravel()
     deeper = sinking_m_s * np.clip(trial.time_s, 0.0, None)
     depth = trial.tank.robot.keypoint_depth_m + np.repeat(deeper, points.shape[1])
     place = np.column_stack([flat.real, flat.imag, -depth])
-    before = project(camera_at(design, -1.0), place).reshape(*points.shape, 2)
+    before = pool_points_to_pixels(camera_at(design, -1.0), place).reshape(*points.shape, 2)
     if design.conditions.nudge_at_s is None:
         return before
-    after = project(camera_at(design, math.inf), place).reshape(*points.shape, 2)
+    after = pool_points_to_pixels(camera_at(design, math.inf), place).reshape(*points.shape, 2)
     return np.where((trial.time_s >= design.conditions.nudge_at_s)[:, None, None], after, before)
 
 
-def frame_truth(design: StudyDesign, trial: Trial) -> dict[str, np.ndarray]:
+def frame_truth(design: StudyDesign, trial: SolvedTrial) -> dict[str, np.ndarray]:
     """What is true in each frame: arrays by name, first axis the frames.
 
     `pose` and `mean` hold x, y (m) and core heading (rad) with and without recoil;
     `velocity` (m/s) and `yaw_rate` (rad/s) are those of the mean motion.
     """
     pose, mean = trial.motion.pose(trial.time_s), trial.motion.mean(trial.time_s)
-    points = keypoints(trial.tank.robot, trial.plan.head_length_m, pose)
+    points = body_point_positions(trial.tank.robot, trial.plan.head_length_m, pose)
     return {
         "time_s": trial.time_s,
         "keypoints_px": keypoint_pixels(design, trial, points),
@@ -169,7 +171,7 @@ def frame_truth(design: StudyDesign, trial: Trial) -> dict[str, np.ndarray]:
     }
 
 
-def steady_summary(trial: Trial) -> dict[str, float | str | None]:
+def steady_summary(trial: SolvedTrial) -> dict[str, float | str | None]:
     """Steady figures of a trial: over its last 30 %, and those it tends to in still water.
 
     Radii (m) are speed over rate of course, None for straight trials.
@@ -180,7 +182,7 @@ def steady_summary(trial: Trial) -> dict[str, float | str | None]:
     speed = np.hypot(mean[:, 3], mean[:, 4])
     course = np.unwrap(np.arctan2(mean[:, 4], mean[:, 3]))
     turn = abs(course[-1] - course[0]) / (time_s[-1] - time_s[0])
-    limit_speed, limit_radius = steady_turn(trial.tank, trial.run)
+    limit_speed, limit_radius = true_steady_speed_and_radius(trial.tank, trial.run)
     turning = trial.plan.head_angle_deg != 0
     return {
         "trial_id": trial.plan.trial_id,
@@ -194,7 +196,7 @@ def steady_summary(trial: Trial) -> dict[str, float | str | None]:
     }
 
 
-def mean_path(trial: Trial) -> dict[str, list[float]]:
+def mean_path(trial: SolvedTrial) -> dict[str, list[float]]:
     """Mean motion, the tail-beat recoil left out: every 0.05 s place (m) and velocity (m/s)."""
     end = float(trial.time_s[-1])
     time_s = np.append(np.arange(0.0, end, PATH_STEP_S), end)

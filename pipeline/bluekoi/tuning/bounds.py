@@ -9,19 +9,19 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from ..fitting import Fit, Free, newton_step_off_bounds
+from ..fitting import FreeParameter, ParameterFit, newton_step_off_bounds
 from ..integrate.system import Parameter
-from ..model import plates
+from ..model import two_plate_system
 
 LOWER, UPPER = "lower", "upper"
 
 
-def parameter_definition(free: Free) -> Parameter:
+def parameter_definition(free: FreeParameter) -> Parameter:
     """The model's parameter that a fitted number is of."""
-    return plates().parameters[plates().slot[free.name]]
+    return two_plate_system().parameters[two_plate_system().slot[free.name]]
 
 
-def bound_sides(found: Fit) -> list[str]:
+def bound_sides(found: ParameterFit) -> list[str]:
     """For each fitted number `lower`, `upper`, or nothing where it is off its bounds."""
     return [
         _bound_side_of_value(parameter_definition(f), v)
@@ -35,7 +35,7 @@ def _bound_side_of_value(parameter: Parameter, value: float) -> str:
     return UPPER if value >= parameter.upper else ""
 
 
-def intervals_at_bounds(found: Fit) -> dict[int, Float]:
+def intervals_at_bounds(found: ParameterFit) -> dict[int, Float]:
     """Number -> its 95 % interval (2,), for those at a bound, the bound at one end.
 
     The other end is the bound on the other side where the trials say nothing; NaN at both ends

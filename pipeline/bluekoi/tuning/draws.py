@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import stdtr, stdtrit
 
 from ..data import Float
-from ..fitting import Fit, conditional_response, newton_step_off_bounds, student_t_draws
+from ..fitting import ParameterFit, conditional_response, newton_step_off_bounds, student_t_draws
 from .bounds import intervals_at_bounds, parameter_definition
 from .joint_fit import JointFit
 
@@ -30,13 +30,13 @@ def sample_parameters(tuned: JointFit, count: int, rng: np.random.Generator) -> 
     return clip_to_bounds(found, out)
 
 
-def clip_to_bounds(found: Fit, rows: Float) -> Float:
+def clip_to_bounds(found: ParameterFit, rows: Float) -> Float:
     """Rows (count, p) clipped to the bounds of what is plausible."""
     parameters = [parameter_definition(f) for f in found.free]
     return np.clip(rows, [p.lower for p in parameters], [p.upper for p in parameters])
 
 
-def _sample_one_sided(found: Fit, held: list[int], u: Float) -> Float:
+def _sample_one_sided(found: ParameterFit, held: list[int], u: Float) -> Float:
     """Values (count, held) within the one-sided intervals, from uniform u; evenly where nothing
     is known.
     """
@@ -55,7 +55,7 @@ def _sample_one_sided(found: Fit, held: list[int], u: Float) -> Float:
     return out
 
 
-def response_to_bounded(found: Fit, held: list[int]) -> Float:
+def response_to_bounded(found: ParameterFit, held: list[int]) -> Float:
     """Response (p, held) of each number off its bounds to a change of those at a bound."""
     H = found.normal.hessian.sum(axis=0)
     bound = set(intervals_at_bounds(found))

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..fitting import Z_95, FilterResults, Series, filter_all, fit
-from ..integrate import compiled
+from ..fitting import Z_95, FilterResults, TrialSeries, filter_all, fit_parameters_jointly
+from ..integrate import compile_system
 from ..integrate.batch import threaded_map
-from ..model import plates
+from ..model import two_plate_system
 from .bounds import bound_sides
 from .joint_fit import UNDETERMINED_ABOVE, JointFit
 
@@ -48,7 +48,7 @@ class Combination:
 
 
 @dataclass(frozen=True)
-class Profile:
+class LikelihoodProfile:
     """Log likelihood lost by holding one coefficient at values, all others refitted.
 
     values, lost: (n,), the fit itself left out. lower, upper: where 1.92 would be lost, the 95 %
@@ -63,12 +63,12 @@ class Profile:
 
 def parameter_scales(tuned: JointFit) -> Float:
     """Size (p,) that a change of each free number is held against."""
-    starts = {p.name: abs(p.start) for p in plates().parameters}
+    starts = {p.name: abs(p.start) for p in two_plate_system().parameters}
     usual = np.array([starts[f.name] for f in tuned.fit.free])
     return np.maximum(np.abs(tuned.fit.values), usual)
 
 
-def spectrum(tuned: JointFit) -> list[Combination]:
+def fisher_eigendirections(tuned: JointFit) -> list[Combination]:
     """Combinations of the free numbers by their deviation, the least determined first.
 
     Eigenvectors of the relative covariance, with the widths that the table has: Student's t with
@@ -115,12 +115,12 @@ def _combination(tuned: JointFit, direction: Float, naive: float) -> Combination
     return Combination(direction, max(std, float(naive)), float(naive))
 
 
-def profiles(series: Sequence[Series], tuned: JointFit) -> list[Profile]:
+def likelihood_profiles(series: Sequence[TrialSeries], tuned: JointFit) -> list[LikelihoodProfile]:
     """Profiles of the joint fit's free numbers, under the joint fit's noise and the gains of its
     filter: as predictor of one form, the fit is the likeliest (Ljung, System Identification, 1999,
     7.2), which it need not be when the gains of a model that lacks something move with it.
     """
-    kernel = compiled(plates())
+    kernel = compile_system(two_plate_system())
     predictor = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
     return threaded_map(
         lambda index: _profile(series, tuned, index, predictor), range(len(tuned.fit.free))
@@ -128,12 +128,12 @@ def profiles(series: Sequence[Series], tuned: JointFit) -> list[Profile]:
 
 
 def _profile(
-    series: Sequence[Series], tuned: JointFit, index: int, predictor: FilterResults
-) -> Profile:
+    series: Sequence[TrialSeries], tuned: JointFit, index: int, predictor: FilterResults
+) -> LikelihoodProfile:
     """Profile of one free number, under held gains."""
-    kernel, found = compiled(plates()), tuned.fit
+    kernel, found = compile_system(two_plate_system()), tuned.fit
     held = found.free[index]
-    parameter = plates().parameters[plates().slot[held.name]]
+    parameter = two_plate_system().parameters[two_plate_system().slot[held.name]]
     largest = PROFILE_RANGE_STDS * parameter_scales(tuned)[index] / max(PROFILE_POINTS_STDS)
     unit = min(max(tuned.std[index], np.sqrt(found.naive_cov[index, index])), largest)
     values = np.clip(found.values[index] + unit * np.array(PROFILE_POINTS_STDS), parameter.lower,
@@ -143,11 +143,20 @@ def _profile(
     def likelihood(value: float) -> float:
         base = tuned.base.copy()
         base[kernel.system.slot[held.name]] = value
-        return fit(kernel, series, base, free, tuned.noise, start=found.by_label(), iterations=12,
-                   tolerance=3e-2, predictor=predictor).log_likelihood  # fmt: skip
+        return fit_parameters_jointly(
+            kernel,
+            series,
+            base,
+            free,
+            tuned.noise,
+            start=found.by_label(),
+            iterations=12,
+            tolerance=3e-2,
+            predictor=predictor,
+        ).log_likelihood
 
     lost = found.log_likelihood - np.array([likelihood(value) for value in values])
-    return Profile(values, lost, *_profile_interval(found.values[index], values, lost))
+    return LikelihoodProfile(values, lost, *_profile_interval(found.values[index], values, lost))
 
 
 def _profile_interval(best: float, values: Float, lost: Float) -> tuple[float | None, float | None]:
@@ -163,6 +172,6 @@ def _profile_interval(best: float, values: Float, lost: Float) -> tuple[float | 
     return out[0], out[1]
 
 
-def by_name(names: Sequence[str], direction: Float) -> Mapping[str, float]:
+def parts_by_coefficient(names: Sequence[str], direction: Float) -> Mapping[str, float]:
     """Parts of a combination by coefficient, those that matter."""
     return {n: float(w) for n, w in zip(names, direction, strict=True) if abs(w) > 0.25}

@@ -13,29 +13,29 @@ from ..fitting import (
     Z_95,
     ClusterCovariance,
     ClusterInfluence,
-    Fit,
-    Free,
+    FreeParameter,
     Noise,
-    Series,
+    ParameterFit,
     TrialRandomEffect,
+    TrialSeries,
     block_averaged,
     cluster_covariance,
-    fit,
-    fit_noise,
-    normal_equations,
+    estimate_noise_model,
+    fit_parameters_jointly,
     off_bounds,
-    trial_values,
+    trial_normal_equations,
+    trial_parameter_vector,
 )
 from ..fitting.block_average import DEFAULT_BLOCK_RATE_HZ
 from ..fitting.sandwich import MIN_NAIVE_VARIANCE_SHARE
-from ..integrate import CompiledSystem, compiled
+from ..integrate import CompiledSystem, compile_system
 from ..integrate.system import Parameter
-from ..model import COEFFICIENTS, plates
+from ..model import HYDRODYNAMIC_COEFFICIENTS, two_plate_system
 from .bounds import LOWER, UPPER, bound_sides, intervals_at_bounds, parameter_definition
 
 HEAD_ANGLE_COLUMN = 3
 """Column of the head angle among the observations."""
-HEAD_ANGLE_ERROR = "head_angle_offset.offset"
+HEAD_ANGLE_ERROR_PARAMETER = "head_angle_offset.offset"
 """The parameter that a servo's error in one trial changes."""
 UNDETERMINED_ABOVE = 0.3
 """A parameter is not determined where its standard deviation exceeds this share of its size."""
@@ -50,7 +50,9 @@ START_NOISE = Noise(
 0.3 mm and 0.17 degrees, forgotten within 0.2 s; white noise as stated."""
 
 
-def downsampled(series: Sequence[Series], rate_hz: float = DEFAULT_BLOCK_RATE_HZ) -> list[Series]:
+def downsampled(
+    series: Sequence[TrialSeries], rate_hz: float = DEFAULT_BLOCK_RATE_HZ
+) -> list[TrialSeries]:
     """The trials as fits take them: about ten observations a second, head angle once a trial."""
     return [block_averaged(s, rate_hz, constant=(HEAD_ANGLE_COLUMN,)) for s in series]
 
@@ -63,7 +65,7 @@ class JointFit:
     the degrees of freedom of combinations.
     """
 
-    fit: Fit
+    fit: ParameterFit
     noise: Noise
     cov: Float
     base: Float
@@ -92,64 +94,81 @@ class JointFit:
             out[i] = ends
         return out
 
-    def trial_values(self, kernel: CompiledSystem, series: Sequence[Series]) -> list[Float]:
+    def trial_values(self, kernel: CompiledSystem, series: Sequence[TrialSeries]) -> list[Float]:
         """Full parameter vector for each trial."""
         return [
-            trial_values(kernel, self.base, self.fit.free, self.fit.values, s.group) for s in series
+            trial_parameter_vector(kernel, self.base, self.fit.free, self.fit.values, s.group)
+            for s in series
         ]
 
 
 def fit_all_trials(
-    series: Sequence[Series], free: Sequence[Free] | None = None, *, base: Float | None = None,
-    noise: Noise | None = None, start: dict[str, float] | None = None,
+    series: Sequence[TrialSeries],
+    free: Sequence[FreeParameter] | None = None,
+    *,
+    base: Float | None = None,
+    noise: Noise | None = None,
+    start: dict[str, float] | None = None,
     min_share: float = MIN_NAIVE_VARIANCE_SHARE,
-) -> JointFit:  # fmt: skip
+) -> JointFit:
     """Joint fit of the free numbers (default: the six coefficients); without `noise` that too.
 
     min_share: share of the naive variance below which none is stated, however well trials agree.
 
     Raises: FloatingPointError where the model runs away from these trials at every start.
     """
-    kernel = compiled(plates())
-    free = tuple(free or (Free(p.name) for p in COEFFICIENTS))
-    base = plates().values({}) if base is None else base
+    kernel = compile_system(two_plate_system())
+    free = tuple(free or (FreeParameter(p.name) for p in HYDRODYNAMIC_COEFFICIENTS))
+    base = two_plate_system().values({}) if base is None else base
     found = _first_fit(kernel, series, base, free, noise=noise or START_NOISE, start=start)
     if noise is None:
-        points = [trial_values(kernel, base, free, found.values, s.group) for s in series]
-        noise = fit_noise(kernel, series, points, START_NOISE, rounds=5).noise
-        found = fit(kernel, series, base, free, noise, start=found.by_label())
+        points = [trial_parameter_vector(kernel, base, free, found.values, s.group) for s in series]
+        noise = estimate_noise_model(kernel, series, points, START_NOISE, rounds=5).noise
+        found = fit_parameters_jointly(kernel, series, base, free, noise, start=found.by_label())
     own = head_angle_error_information(kernel, series, found, base, noise=noise)
     spread = cluster_covariance(found.normal, off_bounds(kernel, found), own, min_share=min_share)
     return JointFit(found, noise, spread.cov, base, spread.df, spread.influence)
 
 
 def _first_fit(
-    kernel: CompiledSystem, series: Sequence[Series], base: Float, free: Sequence[Free], *,
-    noise: Noise, start: dict[str, float] | None,
-) -> Fit:  # fmt: skip
+    kernel: CompiledSystem,
+    series: Sequence[TrialSeries],
+    base: Float,
+    free: Sequence[FreeParameter],
+    *,
+    noise: Noise,
+    start: dict[str, float] | None,
+) -> ParameterFit:
     """The fit from `start`; where the model runs away there, from smaller and smaller numbers."""
     slots = kernel.system.slot
     given = start or {}
     values = {f.label: given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free}
     for share in (1.0, *START_SCALES):
         begin = {label: float(share * value) for label, value in values.items()}
-        found = fit(kernel, series, base, free, noise, start=start if share == 1.0 else begin)
+        found = fit_parameters_jointly(
+            kernel, series, base, free, noise, start=start if share == 1.0 else begin
+        )
         if found.normal.usable:
             return found
     raise FloatingPointError("the model runs away from these trials, whatever its coefficients")
 
 
 def head_angle_error_information(
-    kernel: CompiledSystem, series: Sequence[Series], found: Fit, base: Float, *, noise: Noise
+    kernel: CompiledSystem,
+    series: Sequence[TrialSeries],
+    found: ParameterFit,
+    base: Float,
+    *,
+    noise: Noise,
 ) -> TrialRandomEffect | None:
     """What an error of each trial's head angle does to the normal equations of a fit, which does
     not have it; None where the fit has one for all trials already, or ran away.
     """
-    if any(f.name == HEAD_ANGLE_ERROR for f in found.free):
+    if any(f.name == HEAD_ANGLE_ERROR_PARAMETER for f in found.free):
         return None
-    free = (*found.free, Free(HEAD_ANGLE_ERROR))
-    at = np.append(found.values, base[kernel.system.slot[HEAD_ANGLE_ERROR]])
-    normal = normal_equations(kernel, series, base, free, at, noise=noise)
+    free = (*found.free, FreeParameter(HEAD_ANGLE_ERROR_PARAMETER))
+    at = np.append(found.values, base[kernel.system.slot[HEAD_ANGLE_ERROR_PARAMETER]])
+    normal = trial_normal_equations(kernel, series, base, free, at, noise=noise)
     if not normal.usable:
         return None
     return TrialRandomEffect(

@@ -8,16 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import Series, normal_equations
-from ..integrate import CompiledSystem, compiled
-from ..integrate.batch import in_lanes, propagate
-from ..model import constants, plates
-from ..observation import view_of
-from ..study import Setup
+from ..fitting import TrialSeries, trial_normal_equations
+from ..integrate import CompiledSystem, compile_system
+from ..integrate.batch import in_lanes, simulate_batch
+from ..model import constants_of_robot_trial, two_plate_system
+from ..observation import camera_error_inputs
+from ..study import StudySettings
 from .bounds import bound_sides, parameter_definition
 from .identify import Combination, parameter_scales
 from .joint_fit import UNDETERMINED_ABOVE, JointFit
-from .turning_trials import TURN_COEFFICIENTS, all_straight
+from .turning_trials import TURN_COEFFICIENTS, no_trial_turns_head
 
 CANDIDATE_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0, 60.0)
 """Head angles of the trials that may be recommended."""
@@ -26,7 +26,7 @@ NEW_TRIAL_S, NEW_RATE_HZ = 5.0, 10.0
 
 
 @dataclass(frozen=True)
-class NewTrial:
+class RecommendedTrial:
     """A trial that would help: its condition, and what it leaves of the deviation (0 to 1)."""
 
     power_pct: float
@@ -36,22 +36,24 @@ class NewTrial:
 
 
 def c_optimal_trial(
-    series: Sequence[Series], tuned: JointFit, setup: Setup, combination: Combination
-) -> NewTrial | None:
+    series: Sequence[TrialSeries], tuned: JointFit, setup: StudySettings, combination: Combination
+) -> RecommendedTrial | None:
     """The trial within the robot's range that adds most information on a combination; None if
     none can be simulated.
 
-    Each is simulated with the fitted coefficients (`plausible_values`) and observed with the
-    errors of the trials there are; its Fisher matrix is added, and what is left of the
+    Each is simulated with the fitted coefficients (`parameters_for_planned_trials`) and observed
+    with the errors of the trials there are; its Fisher matrix is added, and what is left of the
     combination's deviation counts.
     """
-    kernel = compiled(plates())
+    kernel = compile_system(two_plate_system())
     size = parameter_scales(tuned)
-    tuned = replace(tuned, fit=replace(tuned.fit, values=plausible_values(series, tuned)))
+    tuned = replace(
+        tuned, fit=replace(tuned.fit, values=parameters_for_planned_trials(series, tuned))
+    )
     conditions = _candidate_conditions(series, setup)
     imagined = [_simulate_candidate_trial(kernel, series, tuned, setup, c) for c in conditions]
-    added = normal_equations(kernel, imagined, tuned.base, tuned.fit.free, tuned.fit.values,
-                             noise=tuned.noise).hessian  # fmt: skip
+    added = trial_normal_equations(kernel, imagined, tuned.base, tuned.fit.free, tuned.fit.values,
+                                   noise=tuned.noise).hessian  # fmt: skip
     scale = np.outer(size, size)
     now = tuned.fit.normal.hessian.sum(axis=0) * scale
     v = combination.direction
@@ -65,16 +67,16 @@ def c_optimal_trial(
     if best == len(left) or not np.isfinite(left[best]):
         return None
     power, angle, length = conditions[best]
-    return NewTrial(float(power), angle, length, float(left[best]))
+    return RecommendedTrial(float(power), angle, length, float(left[best]))
 
 
-def plausible_values(series: Sequence[Series], tuned: JointFit) -> Float:
+def parameters_for_planned_trials(series: Sequence[TrialSeries], tuned: JointFit) -> Float:
     """Values (p,) to imagine trials with: the fitted ones, but the plausible one from which fits
     start where a number stands at a bound or its naive deviation exceeds `UNDETERMINED_ABOVE` of
     its size: at a bound of 40 simulations run away.
     """
     naive = np.sqrt(np.diag(tuned.fit.naive_cov))
-    silent = [f.name in TURN_COEFFICIENTS and all_straight(series) for f in tuned.fit.free]
+    silent = [f.name in TURN_COEFFICIENTS and no_trial_turns_head(series) for f in tuned.fit.free]
     held = [bool(side) for side in bound_sides(tuned.fit)]
     starts = np.array([parameter_definition(f).start for f in tuned.fit.free])
     wide = naive > UNDETERMINED_ABOVE * parameter_scales(tuned)
@@ -87,7 +89,9 @@ def _direction_variance(fisher: Float, direction: Float) -> float:
     return float(direction @ np.linalg.solve(fisher + floor, direction))
 
 
-def _candidate_conditions(series: Sequence[Series], setup: Setup) -> list[tuple[str, float, float]]:
+def _candidate_conditions(
+    series: Sequence[TrialSeries], setup: StudySettings
+) -> list[tuple[str, float, float]]:
     powers = sorted({s.group for s in series}, key=float)
     head = setup.robot.head_length_m
     return [(p, a, h) for p in powers for a in CANDIDATE_ANGLES_DEG for h in (head, 1.5 * head)]
@@ -95,11 +99,11 @@ def _candidate_conditions(series: Sequence[Series], setup: Setup) -> list[tuple[
 
 def _simulate_candidate_trial(
     kernel: CompiledSystem,
-    series: Sequence[Series],
+    series: Sequence[TrialSeries],
     tuned: JointFit,
-    setup: Setup,
+    setup: StudySettings,
     condition: tuple[str, float, float],
-) -> Series:
+) -> TrialSeries:
     """A trial of that condition from rest, seen without error, with the usual errors stated."""
     power, angle, length = condition
     like = next(s for s in series if s.group == power)
@@ -110,7 +114,7 @@ def _simulate_candidate_trial(
         like,
         times=times,
         inputs=inputs,
-        constants=constants(setup, length, view=view_of(setup)),
+        constants=constants_of_robot_trial(setup, length, view=camera_error_inputs(setup)),
         noise=np.tile(stated, (len(times), 1, 1)),
         mean=np.zeros(len(like.mean)),
         evidence={},
@@ -119,8 +123,10 @@ def _simulate_candidate_trial(
     return replace(one, seen=_simulate_states(kernel, one, tuned))
 
 
-def _simulate_states(kernel: CompiledSystem, series: Series, tuned: JointFit) -> Float:
+def _simulate_states(kernel: CompiledSystem, series: TrialSeries, tuned: JointFit) -> Float:
     values = tuned.trial_values(kernel, [series])[0]
     lanes = [in_lanes(row[None]) for row in (series.mean, values, series.constants)]
-    observed, _ = propagate(kernel, *lanes, times=series.times[None], inputs=series.inputs[None])
+    observed, _ = simulate_batch(
+        kernel, *lanes, times=series.times[None], inputs=series.inputs[None]
+    )
     return np.ascontiguousarray(observed[0, :, :, 0])

@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Float, Steady
-from ..fitting import Free, Series
-from ..model import plates, steady_turn
+from ..data import Float, SteadyState
+from ..fitting import FreeParameter, TrialSeries
+from ..model import steady_speed_and_radius, two_plate_system
 from ..study import Study, Trial
 from .draws import clip_to_bounds, sample_parameters
 from .joint_fit import JointFit, coefficient_cell, fit_all_trials
@@ -37,8 +37,8 @@ COEFFICIENTS_PER_POWER = ("C_Da", "C_Md")
 """Coefficients that the paper fits at each power."""
 
 
-def three_steps(
-    study: Study, series: Sequence[Series], steady: Mapping[str, Steady]
+def fit_paper_steps(
+    study: Study, series: Sequence[TrialSeries], steady: Mapping[str, SteadyState]
 ) -> tuple[dict[str, Any], JointFit | None, JointFit | None]:
     """Result by power as in coefficients.json, and the fits of steps 1 and 2.
 
@@ -49,7 +49,9 @@ def three_steps(
     straight = [s for s in one_x if is_straight(trials[s.name])]
     turns = [s for s in one_x if not is_straight(trials[s.name])]
     first = (
-        fit_all_trials(straight, [Free("C_T"), Free("C_D0")], min_share=MIN_VARIANCE_SHARE)
+        fit_all_trials(
+            straight, [FreeParameter("C_T"), FreeParameter("C_D0")], min_share=MIN_VARIANCE_SHARE
+        )
         if straight
         else None
     )
@@ -61,7 +63,7 @@ def three_steps(
         else with_step_covariance(own, first, sensitivity)
     )
     powers = sorted({s.group for s in series}, key=float)
-    sampled = draws((first, own), sensitivity, np.random.default_rng(DRAW_SEED))
+    sampled = sample_step_parameters((first, own), sensitivity, np.random.default_rng(DRAW_SEED))
     result = {
         p: _results_of_power(study, p, series, steady, (first, second))
         | {"ensemble": _coefficient_draws_of_power(sampled, p)}
@@ -70,7 +72,7 @@ def three_steps(
     return result, first, second
 
 
-def draws(
+def sample_step_parameters(
     fits: tuple[JointFit | None, JointFit | None],
     sensitivity: Float | None,
     rng: np.random.Generator,
@@ -114,24 +116,24 @@ def _has_one_x_head(study: Study, trial: Trial) -> bool:
     return abs(trial.head_length_m - study.setup.robot.head_length_m) < 1e-6
 
 
-def _fit_second_step(turns: Sequence[Series], first: JointFit | None) -> JointFit:
+def _fit_second_step(turns: Sequence[TrialSeries], first: JointFit | None) -> JointFit:
     groups = sorted({s.group for s in turns}, key=float)
     free = [
-        Free("C_La"),
-        Free("C_Ma"),
-        *(Free(c, g) for g in groups for c in COEFFICIENTS_PER_POWER),
+        FreeParameter("C_La"),
+        FreeParameter("C_Ma"),
+        *(FreeParameter(c, g) for g in groups for c in COEFFICIENTS_PER_POWER),
     ]
-    base = plates().values(first.fit.by_label() if first else {})
+    base = two_plate_system().values(first.fit.by_label() if first else {})
     if first is None:
-        free = [Free("C_T"), Free("C_D0"), *free]
+        free = [FreeParameter("C_T"), FreeParameter("C_D0"), *free]
     return fit_all_trials(turns, free, base=base, min_share=MIN_VARIANCE_SHARE)
 
 
 def _results_of_power(
     study: Study,
     power: str,
-    series: Sequence[Series],
-    steady: Mapping[str, Steady],
+    series: Sequence[TrialSeries],
+    steady: Mapping[str, SteadyState],
     fits: tuple[JointFit | None, JointFit | None],
 ) -> dict[str, Any]:
     here = [s for s in series if s.group == power]
@@ -151,7 +153,7 @@ def _results_of_power(
 def _coefficient_entry(
     name: str, power: str, fits: tuple[JointFit | None, JointFit | None]
 ) -> dict[str, Any]:
-    parameter = {p.name: p for p in plates().parameters}[name]
+    parameter = {p.name: p for p in two_plate_system().parameters}[name]
     for step, fitted in enumerate(fits, start=1):
         labels = [f.label for f in fitted.fit.free] if fitted else []
         label = next((k for k in (name, f"{name}@{power}") if k in labels), None)
@@ -166,8 +168,8 @@ def _coefficient_entry(
 
 def _comparisons(
     study: Study,
-    series: Sequence[Series],
-    steady: Mapping[str, Steady],
+    series: Sequence[TrialSeries],
+    steady: Mapping[str, SteadyState],
     coefficients: Mapping[str, float],
     flap_hz: float,
 ) -> dict[str, Any]:
@@ -200,12 +202,12 @@ def _step_of(study: Study, angle: float, length: float) -> int:
 def _compare_with_measurement(
     study: Study,
     condition: tuple[float, float],
-    measured: Sequence[Steady],
+    measured: Sequence[SteadyState],
     coefficients: Mapping[str, float],
     flap_hz: float,
 ) -> dict[str, Any]:
     angle, length = condition
-    speed, radius = steady_turn(
+    speed, radius = steady_speed_and_radius(
         coefficients,
         setup=study.setup,
         head_length_m=length,

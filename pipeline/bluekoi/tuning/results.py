@@ -7,24 +7,31 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Float, Steady
-from ..fitting import Series, free_runs
-from ..integrate import compiled
-from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING, plates
+from ..data import Float, SteadyState
+from ..fitting import TrialSeries, free_runs
+from ..integrate import compile_system
+from ..model import (
+    HYDRODYNAMIC_COEFFICIENTS,
+    PUBLISHED_FLAP_HZ,
+    PUBLISHED_UNITS_NOTE,
+    TABLE_1,
+    TABLE_2_PCT,
+    two_plate_system,
+)
 from ..study import Study
 from .draws import sample_parameters
-from .identify import profiles, spectrum
+from .identify import fisher_eigendirections, likelihood_profiles
 from .joint_fit import JointFit, coefficient_table, downsampled, fit_all_trials
-from .paper_steps import three_steps
-from .stability import growth_per_s, stability_verdict, undetermined_stability
+from .paper_steps import fit_paper_steps
+from .stability import stability_verdict, straight_swimming_growth_per_s, undetermined_stability
 from .turning_trials import (
-    all_straight,
     count_turning_trials,
     depends_on_one_trial,
     fit_outcome,
+    no_trial_turns_head,
     undetermined_without_turns,
 )
-from .undetermined import as_json, is_undetermined, undetermined_combinations
+from .undetermined import combination_json, is_undetermined, undetermined_combinations
 
 ENSEMBLE_DRAWS, STABILITY_DRAWS = 200, 60
 """Draws of the fitted coefficients: written to coefficients.json, and the first of them, for which
@@ -35,17 +42,17 @@ how trials disagree.
 """
 
 
-def coefficients(
-    study: Study, series: Sequence[Series], steady: Mapping[str, Steady], *, seed: int = 0
+def coefficients_json_and_fit(
+    study: Study, series: Sequence[TrialSeries], steady: Mapping[str, SteadyState], *, seed: int = 0
 ) -> tuple[dict[str, Any], JointFit]:
     """Content of coefficients.json, and the joint fit."""
     few = downsampled(series)
-    steps, _, _ = three_steps(study, few, steady)
+    steps, _, _ = fit_paper_steps(study, few, steady)
     joint = fit_all_trials(few)
     values = joint.fit.by_label()
     draws = sample_parameters(joint, ENSEMBLE_DRAWS, np.random.default_rng(seed))
     return {
-        "unit_reading": UNIT_READING,
+        "unit_reading": PUBLISHED_UNITS_NOTE,
         "paper_steps": steps,
         "joint": {
             "coefficients": undetermined_without_turns(coefficient_table(joint), few),
@@ -72,7 +79,7 @@ def straight_swimming(
     joint: JointFit,
     draws: Float,
     *,
-    series: Sequence[Series],
+    series: Sequence[TrialSeries],
 ) -> dict[str, Any]:
     """Growth of a small turn at each power, and over draws of the fit where it is fastest.
 
@@ -80,7 +87,9 @@ def straight_swimming(
     """
 
     def growth(values: Mapping[str, float], power: str) -> float:
-        return growth_per_s(values, setup=study.setup, flap_hz=steps[power]["flap_hz"])
+        return straight_swimming_growth_per_s(
+            values, setup=study.setup, flap_hz=steps[power]["flap_hz"]
+        )
 
     names = list(joint.fit.by_label())
     by_power = {power: growth(joint.fit.by_label(), power) for power in steps}
@@ -91,18 +100,18 @@ def straight_swimming(
     return stability_verdict(by_power[worst], over) | {"by_power": by_power}
 
 
-def identifiability(series: Sequence[Series], joint: JointFit) -> dict[str, Any]:
+def identifiability(series: Sequence[TrialSeries], joint: JointFit) -> dict[str, Any]:
     """Spectrum of combinations, the least determined first, and profiles by coefficient."""
     names = [f.label for f in joint.fit.free]
     return {
         "spectrum": [
-            as_json(names, one)
-            | {"determined": not is_undetermined(names, one, straight=all_straight(series))}
-            for one in spectrum(joint)
+            combination_json(names, one)
+            | {"determined": not is_undetermined(names, one, straight=no_trial_turns_head(series))}
+            for one in fisher_eigendirections(joint)
         ],
         "profiles": {
             name: {"values": p.values, "lost": p.lost, "lower": p.lower, "upper": p.upper}
-            for name, p in zip(names, profiles(series, joint), strict=True)
+            for name, p in zip(names, likelihood_profiles(series, joint), strict=True)
         },
     }
 
@@ -112,8 +121,8 @@ def table_1(steps: Mapping[str, Any]) -> dict[str, list[Any]]:
     powers = list(steps)
     out: dict[str, list[Any]] = {"power_pct": [float(p) for p in powers]}
     out["flap_hz"] = [steps[p]["flap_hz"] for p in powers]
-    out["paper_flap_hz"] = [FLAP_HZ.get(int(float(p)), np.nan) for p in powers]
-    for parameter in COEFFICIENTS:
+    out["paper_flap_hz"] = [PUBLISHED_FLAP_HZ.get(int(float(p)), np.nan) for p in powers]
+    for parameter in HYDRODYNAMIC_COEFFICIENTS:
         name = parameter.name
         cells = [steps[p]["coefficients"][name] for p in powers]
         unit = "" if parameter.unit == "1" else "_" + parameter.unit.replace(" ", "_")
@@ -158,13 +167,15 @@ def _none_to_nan(value: float | None) -> float:
     return np.nan if value is None else value
 
 
-def simulations(
-    series: Sequence[Series], joint: JointFit, steps: Mapping[str, Any]
+def simulation_columns_by_trial(
+    series: Sequence[TrialSeries], joint: JointFit, steps: Mapping[str, Any]
 ) -> dict[str, dict[str, Float]]:
     """Trial -> columns of simulations/ID.csv: joint and per-power model from fitted starts."""
-    kernel = compiled(plates())
+    kernel = compile_system(two_plate_system())
     per_power = [
-        plates().values({n: c["value"] for n, c in steps[s.group]["coefficients"].items()})
+        two_plate_system().values(
+            {n: c["value"] for n, c in steps[s.group]["coefficients"].items()}
+        )
         for s in series
     ]
     by_model = {

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..data import Flapping, Float, Pose, Track, has_excess_variance
-from ..fitting import Series
-from ..model import constants, plates
-from ..observation import view_of
-from ..study import Setup, Study, Trial
+from ..data import FlappingFrequency, Float, Pose, Track, has_excess_variance
+from ..fitting import TrialSeries
+from ..model import constants_of_robot_trial, two_plate_system
+from ..observation import camera_error_inputs
+from ..study import Study, StudySettings, Trial
 
 OUTLIER_SIGMA = 6.0
 SERVO_STD_RAD = 0.01  # ASSUME a servo error of 0.6 degrees, constant within a trial
@@ -22,9 +22,9 @@ def study_series(
     study: Study,
     poses: Mapping[str, Pose],
     tracks: Mapping[str, Track],
-    flapping: Mapping[str, Flapping],
-) -> list[Series]:
-    """A `Series` for every trial that has a pose, a track and a flapping frequency."""
+    flapping: Mapping[str, FlappingFrequency],
+) -> list[TrialSeries]:
+    """A `TrialSeries` for every trial that has a pose, a track and a flapping frequency."""
     return [
         trial_series(trial, study.setup, poses[i], tracks[i], flapping[i])
         for trial in study.trials
@@ -34,8 +34,8 @@ def study_series(
 
 
 def trial_series(
-    trial: Trial, setup: Setup, pose: Pose, track: Track, flapping: Flapping
-) -> Series:
+    trial: Trial, setup: StudySettings, pose: Pose, track: Track, flapping: FlappingFrequency
+) -> TrialSeries:
     """One trial: poses without the tail-beat recoil, outliers and frames that were hardly seen, and
     what was commanded, from the start of the motor on.
 
@@ -59,25 +59,32 @@ def trial_series(
     seen[unusable] = np.nan
     noise[unusable] = np.eye(4)
     start = _initial_state_from_track(times, track)
-    return Series(
+    return TrialSeries(
         name=trial.trial_id,
         group=format(trial.power_pct, "g"),
-        condition=condition(trial),
+        condition=condition_label(trial),
         times=times - pose.time_s[0],
         inputs=np.tile([trial.head_angle_rad, flapping.flap_hz], (len(times), 1)),
-        constants=constants(
-            setup, trial.head_length_m, heading_rad=start[2], start_s=started, view=view_of(setup)
+        constants=constants_of_robot_trial(
+            setup,
+            trial.head_length_m,
+            heading_rad=start[2],
+            start_s=started,
+            view=camera_error_inputs(setup),
         ),
         seen=seen,
         noise=noise,
-        mean=np.concatenate([start, np.zeros(len(plates().all_states) - 6)]),
+        mean=np.concatenate([start, np.zeros(len(two_plate_system().all_states) - 6)]),
         cov=np.diag(
-            np.concatenate([INITIAL_STATE_STD, np.full(len(plates().all_states) - 6, 1e-6)]) ** 2
+            np.concatenate(
+                [INITIAL_STATE_STD, np.full(len(two_plate_system().all_states) - 6, 1e-6)]
+            )
+            ** 2
         ),
     )
 
 
-def condition(trial: Trial) -> str:
+def condition_label(trial: Trial) -> str:
     """What repeats of a trial share, both turning sides apart: `50 % -30 deg 0.12 m`."""
     return f"{trial.power_pct:g} % {trial.head_angle_deg:g} deg {trial.head_length_m:g} m"
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ..fitting import Series
-from ..integrate import LANES, CompiledSystem, System, compiled
-from ..integrate.batch import in_lanes, propagate
-from ..model import constants, plates, simulate
-from ..study import Setup, Study
+from ..fitting import TrialSeries
+from ..integrate import LANES, CompiledSystem, System, compile_system
+from ..integrate.batch import in_lanes, simulate_batch
+from ..model import constants_of_robot_trial, simulate, two_plate_system
+from ..study import Study, StudySettings
 from .joint_fit import JointFit
 
 LINEARISATION_S = 0.02
@@ -19,10 +19,10 @@ LINEARISATION_S = 0.02
 LINEARISED_STATES = (2, 3, 4, 5)  # psi, u, v, r: x and y do not act back
 
 
-def growth_per_s(
+def straight_swimming_growth_per_s(
     coefficients: Mapping[str, float],
     *,
-    setup: Setup,
+    setup: StudySettings,
     flap_hz: float,
     effects: Mapping[str, Mapping[str, float]] | None = None,
 ) -> float:
@@ -35,18 +35,18 @@ def growth_per_s(
     head = setup.robot.head_length_m
     run = simulate(coefficients, setup=setup, head_length_m=head, head_angle_rad=0.0,
                    flap_hz=flap_hz, duration_s=20.0, effects=effects)  # fmt: skip
-    kernel = compiled(plates())
+    kernel = compile_system(two_plate_system())
     state = np.zeros((1, len(kernel.system.all_states), LANES))
     state[0, 3] = run.speed_m_s[-1]
     varied = [*LINEARISED_STATES, *_own_states(kernel.system, effects or {})]
     for lane, i in enumerate(varied, start=1):
         state[0, i, lane] += 1e-6
-    values = plates().values(coefficients, effects)
-    _, states = propagate(
+    values = two_plate_system().values(coefficients, effects)
+    _, states = simulate_batch(
         kernel,
         state,
         in_lanes(values[None]),
-        in_lanes(constants(setup, head)[None]),
+        in_lanes(constants_of_robot_trial(setup, head)[None]),
         times=np.array([[0.0, LINEARISATION_S]]),
         inputs=np.tile([0.0, flap_hz], (1, 2, 1)),
         keep_states=True,
@@ -120,7 +120,7 @@ MIN_HORIZON_S = 1.0
 
 
 def predictability_horizon_s(
-    study: Study, kernel: CompiledSystem, tuned: JointFit, series: Sequence[Series]
+    study: Study, kernel: CompiledSystem, tuned: JointFit, series: Sequence[TrialSeries]
 ) -> float:
     """Time in which small differences grow by e^`MAX_LOG_GROWTH` in straight swimming, s."""
     times = [np.inf]
@@ -129,7 +129,9 @@ def predictability_horizon_s(
     for group, hz in flap.items():
         point = next(v for s, v in zip(series, values, strict=True) if s.group == group)
         coefficients, effects = kernel.system.named_values(point)
-        growth = growth_per_s(coefficients, setup=study.setup, flap_hz=hz, effects=effects)
+        growth = straight_swimming_growth_per_s(
+            coefficients, setup=study.setup, flap_hz=hz, effects=effects
+        )
         if growth > 0:
             times.append(MAX_LOG_GROWTH / growth)
     return max(MIN_HORIZON_S, min(times))

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..data import Float, Steady
-from ..fitting import Series
+from ..data import Float, SteadyState
+from ..fitting import TrialSeries
 from ..integrate import CompiledSystem
 from ..model import simulate
 from ..study import Study
@@ -18,8 +18,8 @@ def steady_errors(
     study: Study,
     kernel: CompiledSystem,
     tuned: JointFit,
-    series: Sequence[Series],
-    steady: Mapping[str, Steady],
+    series: Sequence[TrialSeries],
+    steady: Mapping[str, SteadyState],
 ) -> dict[str, float]:
     """Mean size of the errors in steady radius and speed of trials, %; NaN where there are none."""
     speeds: list[float] = []
@@ -37,7 +37,7 @@ def steady_errors(
 
 
 def _steady_turn(
-    study: Study, kernel: CompiledSystem, one: Series, seen: Steady, values: Float
+    study: Study, kernel: CompiledSystem, one: TrialSeries, seen: SteadyState, values: Float
 ) -> tuple[float, float]:
     """Speed (m/s) and radius (m) of a free run, over the steady segment of the recording."""
     coefficients, effects = kernel.system.named_values(values)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fitting import Series
+from ..fitting import TrialSeries
 from ..fitting.joint_fit import AT_BOUND
 from .bounds import bound_sides, intervals_at_bounds, parameter_definition
 from .joint_fit import JointFit
@@ -19,12 +19,12 @@ MAX_STRAIGHT_ANGLE_RAD = np.radians(3.0)
 
 
 def undetermined_without_turns(
-    table: Mapping[str, dict[str, Any]], series: Sequence[Series]
+    table: Mapping[str, dict[str, Any]], series: Sequence[TrialSeries]
 ) -> dict[str, dict[str, Any]]:
     """A table in which straight runs alone determine nothing that acts at an angle of attack: what
     the random water reveals depends on the model of that water.
     """
-    if not all_straight(series):
+    if not no_trial_turns_head(series):
         return dict(table)
     why = "no turns: straight runs hold alpha at 0 and say nothing of it"
     return {
@@ -33,9 +33,9 @@ def undetermined_without_turns(
     }
 
 
-def count_turning_trials(series: Sequence[Series]) -> int:
+def count_turning_trials(series: Sequence[TrialSeries]) -> int:
     """How many trials have the head turned."""
-    return sum(not all_straight([s]) for s in series)
+    return sum(not no_trial_turns_head([s]) for s in series)
 
 
 def depends_on_one_trial(tuned: JointFit) -> bool:
@@ -47,7 +47,7 @@ def depends_on_one_trial(tuned: JointFit) -> bool:
     )
 
 
-def fit_outcome(tuned: JointFit, series: Sequence[Series]) -> str:
+def fit_outcome(tuned: JointFit, series: Sequence[TrialSeries]) -> str:
     """The joint fit's outcome; of numbers at a bound whether the data ask for more than is
     plausible, or whether they only say too little of them.
     """
@@ -55,7 +55,7 @@ def fit_outcome(tuned: JointFit, series: Sequence[Series]) -> str:
         return tuned.fit.outcome
     held = [tuned.fit.free[i].label for i, side in enumerate(bound_sides(tuned.fit)) if side]
     blind = [name for name in held if name.split("@")[0] in TURN_COEFFICIENTS]
-    if all_straight(series) and blind == held:
+    if no_trial_turns_head(series) and blind == held:
         return (
             "at a bound: straight runs hold alpha at 0 and say nothing of "
             f"{', '.join(held)}: turns are lacking"
@@ -78,6 +78,6 @@ def _consistent_with_start(tuned: JointFit) -> list[int]:
     ]
 
 
-def all_straight(series: Sequence[Series]) -> bool:
+def no_trial_turns_head(series: Sequence[TrialSeries]) -> bool:
     """Whether no trial turns its head."""
     return all(abs(s.inputs[:, 0]).max() < MAX_STRAIGHT_ANGLE_RAD for s in series)

@@ -7,34 +7,34 @@ from typing import Any
 
 import numpy as np
 
-from ..fitting import Series
-from ..study import Setup
-from .identify import Combination, by_name, parameter_scales, spectrum
+from ..fitting import TrialSeries
+from ..study import StudySettings
+from .identify import Combination, fisher_eigendirections, parameter_scales, parts_by_coefficient
 from .joint_fit import JointFit
-from .new_trial import NewTrial, c_optimal_trial
-from .turning_trials import TURN_COEFFICIENTS, all_straight
+from .new_trial import RecommendedTrial, c_optimal_trial
+from .turning_trials import TURN_COEFFICIENTS, no_trial_turns_head
 
 MAX_REMAINING_STD = 0.8
 """A trial is recommended if it leaves less than this of a combination's deviation."""
 
 
 def undetermined_combinations(
-    series: Sequence[Series], tuned: JointFit, setup: Setup
+    series: Sequence[TrialSeries], tuned: JointFit, setup: StudySettings
 ) -> list[dict[str, Any]]:
     """Combinations that the data do not determine: in words, and which trial would.
 
     Each: combination, relative_std (None where nothing is known), sentence, trial.
     """
-    still = all_straight(series)
+    still = no_trial_turns_head(series)
     names = [f.label for f in tuned.fit.free]
     return [
         {
-            **as_json(names, one),
+            **combination_json(names, one),
             "sentence": _combination_sentence(names, one, straight=still),
             "trial": _repeat_that_trial(series, tuned, one)
             or _next_trial_advice(c_optimal_trial(series, tuned, setup, one)),
         }
-        for one in spectrum(tuned)
+        for one in fisher_eigendirections(tuned)
         if is_undetermined(names, one, straight=still)
     ]
 
@@ -44,13 +44,13 @@ def is_undetermined(names: Sequence[str], one: Combination, *, straight: bool) -
     part in it that acts at an angle of attack.
     """
     return not one.determined or (
-        straight and bool(_names_needing_turns(by_name(names, one.direction)))
+        straight and bool(_names_needing_turns(parts_by_coefficient(names, one.direction)))
     )
 
 
-def as_json(names: Sequence[str], one: Combination) -> dict[str, Any]:
+def combination_json(names: Sequence[str], one: Combination) -> dict[str, Any]:
     """A combination as it stands in coefficients.json."""
-    parts = by_name(names, one.direction)
+    parts = parts_by_coefficient(names, one.direction)
     return {
         "combination": " ".join(f"{w:+.2f} d{n}/{n}" for n, w in parts.items()),
         "relative_std": one.std if np.isfinite(one.std) else None,
@@ -62,7 +62,7 @@ def _names_needing_turns(parts: Mapping[str, float]) -> list[str]:
 
 
 def _combination_sentence(names: Sequence[str], one: Combination, *, straight: bool) -> str:
-    parts = by_name(names, one.direction)
+    parts = parts_by_coefficient(names, one.direction)
     out = (
         _single_number_sentence(next(iter(parts)), one)
         if len(parts) == 1
@@ -103,7 +103,7 @@ def _combined_numbers_sentence(parts: Mapping[str, float]) -> str:
     )
 
 
-def _repeat_that_trial(series: Sequence[Series], tuned: JointFit, one: Combination) -> str:
+def _repeat_that_trial(series: Sequence[TrialSeries], tuned: JointFit, one: Combination) -> str:
     """Advice to repeat the trial that alone determines a combination."""
     if np.isfinite(one.std) or not np.isfinite(one.naive) or len(series) < 2:
         return ""
@@ -113,7 +113,7 @@ def _repeat_that_trial(series: Sequence[Series], tuned: JointFit, one: Combinati
     return f"a repeat of {name}, the only trial that determines it: two show how far they disagree"
 
 
-def _next_trial_advice(trial: NewTrial | None) -> str:
+def _next_trial_advice(trial: RecommendedTrial | None) -> str:
     if trial is None:
         return "none: with these coefficients every simulation diverges"
     if trial.left > MAX_REMAINING_STD:

@@ -1,10 +1,10 @@
 """Runs stages in forks of a process that has their modules loaded.
 
-A run starts it once (`preload`); each job's own process asks for a fork (`forkserver_client`) and
-waits for its exit code. The modules of a stage are imported, and its compiled functions loaded,
-when it is first asked for, or earlier, while no job asks. A fork writes to the standard output and
-works in the folder of the job that asked; it is killed when that job ends, and at the end of the
-run.
+A run starts it once (`start_preloaded_process`); each job's own process asks for a fork
+(`forkserver_client`) and waits for its exit code. The modules of a stage are imported, and its
+compiled functions loaded, when it is first asked for, or earlier, while no job asks. A fork writes
+to the standard output and works in the folder of the job that asked; it is killed when that job
+ends, and at the end of the run.
 """
 
 from __future__ import annotations

@@ -23,9 +23,9 @@ from ..stages.freshness import (
     trial_row,
     without_keys,
 )
-from ..stages.layout import Layout
+from ..stages.layout import ResultPaths
 from ..study import Study, load_study
-from .provenance import PACKAGE_FOLDER, fingerprint
+from .provenance import PACKAGE_FOLDER, source_fingerprint
 
 RESULT_FILES = (
     "geometry.json", "steady.csv", "coefficients.json", "table1.csv", "table2.csv",
@@ -97,7 +97,7 @@ class Plan:
 
     def _stale(self, stage: str, before: set[str], ids: list[str]) -> set[str]:
         """Trials due in a stage, or in the stage before it."""
-        layout, code = Layout(self.results), self.code_fingerprint(stage)
+        layout, code = ResultPaths(self.results), self.code_fingerprint(stage)
 
         def fresh(name: str) -> bool:
             inputs = trial_inputs_hash(stage, self.study, self.study.trial(name), layout, code)
@@ -183,7 +183,7 @@ class Plan:
 
     def code_fingerprint(self, stage: str) -> str:
         """Fingerprint of all source files that a stage runs through."""
-        return fingerprint(f"stages.{stage}")
+        return source_fingerprint(f"stages.{stage}")
 
     def figure_fingerprint(self, wildcards: Any) -> str:
         """Fingerprint of one figure's own file and of what it draws with."""
@@ -215,7 +215,7 @@ def figure_names() -> list[str]:
 
 def figure_fingerprint(name: str) -> str:
     """Fingerprint of one figure's own file and of what it draws with."""
-    return fingerprint("stages.figure", f"figures.{name}")
+    return source_fingerprint("stages.figure", f"figures.{name}")
 
 
 def figure_title_and_caption(name: str) -> dict[str, str]:
@@ -225,7 +225,9 @@ def figure_title_and_caption(name: str) -> dict[str, str]:
         for node in ast.parse((PACKAGE_FOLDER / f"figures/{name}.py").read_bytes()).body
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
     }
-    return {name.lower(): ast.literal_eval(texts[name]) for name in ("TITLE", "CAPTION")}
+    return {
+        name: ast.literal_eval(texts[f"FIGURE_{name.upper()}"]) for name in ("title", "caption")
+    }
 
 
 def make_plan(settings: Mapping[str, Any]) -> Plan:
@@ -271,7 +273,7 @@ def _check_results_outside_study(study: Study, results: Path) -> None:
 
 def _write_demo_study_files(folder: Path) -> None:
     """Study files of the demo; skipped where they stand and were written by this very code."""
-    stamp, code = folder / ".laid-out-by", fingerprint("stages.demo")
+    stamp, code = folder / ".laid-out-by", source_fingerprint("stages.demo")
     truth = folder.with_name(f"{folder.name}-truth") / "truth.json"
     files = [folder / "study.yaml", folder / "trials.csv", truth, stamp]
     whole = all(path.is_file() for path in files)

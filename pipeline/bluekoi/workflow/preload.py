@@ -19,7 +19,7 @@ DETECTOR_STAGE = "keypoints=compiling_detector"
 FORKSERVER_COMMAND = (sys.executable, "-P", "-m", "bluekoi.workflow.forkserver")
 
 
-class Preloaded:
+class PreloadedProcess:
     """A process that stages are forked from; jobs find it by the variable ADDRESS_VARIABLE."""
 
     def __init__(self, stages: Sequence[str]) -> None:
@@ -45,7 +45,7 @@ class Preloaded:
         self.process.wait()
 
 
-def preload(workflow: Any, plan: Plan) -> Preloaded | None:
+def start_preloaded_process(workflow: Any, plan: Plan) -> PreloadedProcess | None:
     """Process for the jobs that a workflow is about to run on this machine; None on a cluster."""
     here = workflow.local_exec and not workflow.deployment_settings.deployment_method
     if not here or sys.platform != "linux":
@@ -54,4 +54,4 @@ def preload(workflow: Any, plan: Plan) -> Preloaded | None:
     stages = [rule.name for rule in workflow.rules if rule.name in due - {"all"}]
     if plan.detects_outlines:
         stages = [DETECTOR_STAGE if stage == "keypoints" else stage for stage in stages]
-    return Preloaded(stages)
+    return PreloadedProcess(stages)

@@ -16,8 +16,8 @@ from snakemake_interface_logger_plugins.common import LogEvent
 
 from ..errors import INTERRUPTED_MESSAGE, escape_control_characters
 from ..files import read_json
-from ..stages.layout import Layout
-from .preload import Preloaded
+from ..stages.layout import ResultPaths
+from .preload import PreloadedProcess
 from .remaining_time import Timing, duration_text, usual_durations_s
 
 HIDDEN_LOG_LINES = {
@@ -60,11 +60,11 @@ MAX_WORD_CHARACTERS = 60
 
 
 class SnakemakeMessageFilter(logging.Filter):
-    """Leaves out what `Progress` prints, from the start of the run on."""
+    """Leaves out what `SnakemakeProgressHandler` prints, from the start of the run on."""
 
     begun = False
 
-    def __init__(self, progress: Progress) -> None:
+    def __init__(self, progress: SnakemakeProgressHandler) -> None:
         super().__init__()
         self.progress = progress
 
@@ -107,7 +107,7 @@ def signal_that_killed(text: str) -> str:
     return signal.Signals(number).name if number in set(signal.Signals) else ""
 
 
-class Progress(logging.Handler):
+class SnakemakeProgressHandler(logging.Handler):
     """Log handler that turns Snakemake's events into short lines on `stream`.
 
     On a terminal the line is rewritten in place each second; in a file a line comes every two
@@ -123,7 +123,7 @@ class Progress(logging.Handler):
         self.logs: dict[int, tuple[Path, float]] = {}
         self.last_s = 0.0
         self.stopped = False
-        self.preloaded: Preloaded | None = None
+        self.preloaded: PreloadedProcess | None = None
         self.over = threading.Event()
         self.ticker = threading.Thread(target=self._tick, daemon=True)
 
@@ -243,7 +243,7 @@ class Progress(logging.Handler):
             self._print(f"Warning: {text}")
         if text := _verdict_sentence(self.report.with_name("mismatch.json")):
             self._print(f"Verdict: {text}")
-        if Layout(self.report.parent).report_is_current():
+        if ResultPaths(self.report.parent).report_is_current():
             self._print(f"Report: {self.report}")
 
 
@@ -262,12 +262,12 @@ def _job_name(found: dict[str, Any]) -> str:
     return f"{found['rule_name']} {of}".strip()
 
 
-def attach_progress(workflow: Any, report: Path) -> Progress:
+def attach_progress(workflow: Any, report: Path) -> SnakemakeProgressHandler:
     """Progress attached to a Snakemake workflow that is about to run.
 
     A dry run, `--verbose` and the jobs of a cluster keep Snakemake's own words.
     """
-    progress, settings = Progress(report), workflow.output_settings
+    progress, settings = SnakemakeProgressHandler(report), workflow.output_settings
     if workflow.is_main_process and not (settings.dryrun or settings.verbose):
         logger = logging.getLogger("snakemake.logging")
         for handler in logger.handlers:

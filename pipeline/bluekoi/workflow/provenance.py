@@ -26,7 +26,7 @@ IMPORT_STATEMENT = re.compile(
 COMMENT = re.compile(r"#[^\n]*")
 
 
-def fingerprint(*modules: str) -> str:
+def source_fingerprint(*modules: str) -> str:
     """Short hash of the modules (`stages.keypoints`, ...) and of all that they import in here."""
     digest = hashlib.sha256()
     for path in sorted(_import_closure(modules)):

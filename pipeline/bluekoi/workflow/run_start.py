@@ -12,17 +12,17 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, escape_control_characters
-from ..stages.manifest import RUN_VARIABLE, record_file_states
+from ..stages.manifest import RUN_ENVIRONMENT_VARIABLE, record_file_states
 from .forkserver_client import COMMAND_VARIABLE
 from .lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from .plan import Plan, make_plan
-from .provenance import PACKAGE_FOLDER, fingerprint
+from .provenance import PACKAGE_FOLDER, source_fingerprint
 from .settings import check_settings
 from .stage_inputs import (
-    input_hashes,
     outdated_stages,
     remove_outdated_results,
     remove_results_of_other_trials,
+    stage_input_hashes,
 )
 
 
@@ -47,12 +47,12 @@ def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
         for stage, names in plan.due.items():
             if names:
                 sys.stderr.write(f"{stage} is due for {len(names)}: {', '.join(sorted(names))}\n")
-        if stages := outdated_stages(plan, input_hashes(plan)):
+        if stages := outdated_stages(plan, stage_input_hashes(plan)):
             sys.stderr.write(f"Made from other inputs or by another version: {', '.join(stages)}\n")
         return plan
     command = os.environ.get(COMMAND_VARIABLE) or shlex.join(sys.argv)
-    run = {"command": command, "settings": dict(config), "code": fingerprint("stages")}
-    os.environ[RUN_VARIABLE] = json.dumps(run)
+    run = {"command": command, "settings": dict(config), "code": source_fingerprint("stages")}
+    os.environ[RUN_ENVIRONMENT_VARIABLE] = json.dumps(run)
     if not (plan.results / "manifest.json").is_file():
         (plan.results / "outcome.json").unlink(missing_ok=True)  # the stage that writes both
     remove_stale_locks(Path(".snakemake") / "locks", plan.results)

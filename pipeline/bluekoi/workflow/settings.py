@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 from jsonschema import Draft202012Validator, ValidationError
 
-from ..errors import Finding, InputError, did_you_mean
+from ..errors import InputError, InputIssue, did_you_mean
 
 
 def check_settings(config: Mapping[str, Any], schema_path: Path) -> dict[str, Any]:
@@ -26,17 +26,17 @@ def check_settings(config: Mapping[str, Any], schema_path: Path) -> dict[str, An
     return content
 
 
-def _findings(error: ValidationError) -> Iterator[Finding]:
+def _findings(error: ValidationError) -> Iterator[InputIssue]:
     place = ".".join(map(str, error.absolute_path))
     if error.validator == "additionalProperties":
         known = list(error.schema["properties"])
         for key in sorted(set(error.instance) - set(known)):
             where = f"{place}.{key}" if place else key
             remedy = did_you_mean(str(key), known)
-            yield Finding("configuration", where, "an unknown key", "a known key", remedy)
+            yield InputIssue("configuration", where, "an unknown key", "a known key", remedy)
         return
     entry = error.schema
     wanted = entry.get("enum") or entry.get("type") or "what config/schema.yaml says"
     kind = " or ".join(map(repr, wanted)) if isinstance(wanted, list) else f"a {wanted}"
     meaning = " ".join(entry.get("description", "").split())
-    yield Finding("configuration", place, repr(error.instance), kind, meaning)
+    yield InputIssue("configuration", place, repr(error.instance), kind, meaning)

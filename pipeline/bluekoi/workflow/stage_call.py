@@ -21,11 +21,11 @@ from typing import Any, NoReturn
 from ..errors import InputError, escape_control_characters
 from ..files import write_json, write_text
 from ..stages.freshness import is_fresh, status_file, trial_inputs_hash
-from ..stages.layout import Layout
+from ..stages.layout import ResultPaths
 from ..study import load_study
 
-Stage = Callable[..., list[str] | None]
-log = logging.getLogger(__name__)
+StageFunction = Callable[..., list[str] | None]
+stage_logger = logging.getLogger(__name__)
 PR_SET_PDEATHSIG = 1  # linux/prctl.h: the signal to get when the parent ends
 
 STAGES_FOLDER = Path(__file__).resolve().parents[1] / "stages"
@@ -71,21 +71,21 @@ def run_stage(words: Sequence[str]) -> int:
     return code
 
 
-def _run_measured(function: Stage, options: argparse.Namespace, **more: Any) -> int:
+def _run_measured(function: StageFunction, options: argparse.Namespace, **more: Any) -> int:
     takes, given = inspect.signature(function).parameters, {**vars(options), **more}
     lines = function(**{key: value for key, value in given.items() if key in takes})
     sys.stderr.writelines(f"{line}\n" for line in lines or [])
     return EXIT_SOME_TRIALS_FAILED if lines else 0
 
 
-def run_trials(function: Stage, options: argparse.Namespace) -> int:
+def run_trials(function: StageFunction, options: argparse.Namespace) -> int:
     """Run a stage for each trial that is out of date; the greatest exit code is returned.
 
     Of several trials each has a fork of this process, so that one whose process is killed costs the
     others nothing.
     """
     run = _run_in_fork if len(options.trials) > 1 and _can_fork_safely() else _run_measured
-    layout, codes = Layout(options.results), [0]
+    layout, codes = ResultPaths(options.results), [0]
     study = load_study(options.study, only=options.trials[0] if len(options.trials) == 1 else None)
     for number, name in enumerate(options.trials, 1):
         inputs = ""
@@ -93,7 +93,7 @@ def run_trials(function: Stage, options: argparse.Namespace) -> int:
             inputs = trial_inputs_hash(options.name, study, study.trial(name), layout, options.code)
             if is_fresh(status_file(options.name, layout, name), options.results, inputs):
                 continue
-        log.info("%s (%d of %d)", name, number, len(options.trials))
+        stage_logger.info("%s (%d of %d)", name, number, len(options.trials))
         codes.append(run(function, options, trial_id=name, inputs=inputs))
     if not any(codes) and options.done:
         write_json(options.done, {"trials": options.trials})
@@ -107,7 +107,7 @@ def _can_fork_safely() -> bool:
     return sys.platform == "linux" and len(os.listdir("/proc/self/task")) == 1
 
 
-def _run_in_fork(function: Stage, options: argparse.Namespace, **more: Any) -> int:
+def _run_in_fork(function: StageFunction, options: argparse.Namespace, **more: Any) -> int:
     if not (pid := os.fork()):
         exit_with_code_of(lambda: _run_measured(function, options, **more))
     code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])

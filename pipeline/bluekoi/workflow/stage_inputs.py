@@ -13,11 +13,11 @@ from pathlib import Path
 from ..errors import InputError
 from ..files import read_json, write_json
 from ..stages.freshness import short_hash
-from ..stages.layout import Layout, remove_files
+from ..stages.layout import ResultPaths, remove_files
 from .plan import Plan, figure_fingerprint, figure_names, figure_title_and_caption
 
 
-def input_hashes(plan: Plan) -> dict[str, str]:
+def stage_input_hashes(plan: Plan) -> dict[str, str]:
     """Hash of what each stage on the whole study depends on, beside the results before it."""
     code, fits = plan.code_fingerprint, plan.fit_fingerprint()
     hashes = {
@@ -51,7 +51,7 @@ def outdated_stages(plan: Plan, hashes: Mapping[str, str]) -> list[str]:
 
 def remove_outdated_results(plan: Plan) -> None:
     """Remove the results of outdated stages, so that they are made again; record the inputs."""
-    hashes = input_hashes(plan)
+    hashes = stage_input_hashes(plan)
     for stage in outdated_stages(plan, hashes):
         remove_files(_products(plan.results, stage))
     write_json(_record(plan), hashes)
@@ -59,7 +59,7 @@ def remove_outdated_results(plan: Plan) -> None:
 
 def remove_results_of_other_trials(plan: Plan) -> None:
     """Remove what earlier runs made of trials that the study no longer has."""
-    layout, known = Layout(plan.results), set(plan.trials)
+    layout, known = ResultPaths(plan.results), set(plan.trials)
     for example in layout.of_trial("*"):
         stale = [p for p in example.parent.glob(example.name) if p.name.split(".")[0] not in known]
         remove_files(stale)
@@ -70,7 +70,7 @@ def _record(plan: Plan) -> Path:
 
 
 def _products(results: Path, stage: str) -> list[Path]:
-    layout = Layout(results)
+    layout = ResultPaths(results)
     own = {
         "geometry": [layout.geometry],
         "steady": [layout.steady],

@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bluekoi.synthetic.body import keypoints
+from bluekoi.synthetic.body import body_point_positions
 from bluekoi.synthetic.conditions import MIDDLE_CONDITIONS
 from bluekoi.synthetic.design import StudyDesign, TrialPlan
-from bluekoi.synthetic.eddies import draw_eddies
+from bluekoi.synthetic.eddies import random_eddies
 from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
-from bluekoi.synthetic.laws import Tank, TrialSettings
+from bluekoi.synthetic.laws import GroundTruthPhysics, TrialSettings
 from bluekoi.synthetic.optics import gopro_like_camera
 from bluekoi.synthetic.tank import TrialMotion
 from bluekoi.synthetic.trial import (
-    Trial,
+    SolvedTrial,
     keypoint_pixels,
     start_pose_in_pool,
     time_until_wall,
@@ -48,7 +48,7 @@ FOOTAGE_CONDITIONS = replace(MIDDLE_CONDITIONS, mbit_s=20.0)
 class SimulatedTrial:
     """A trial that has been swum: what the film shows, its command, its motor (not delayed)."""
 
-    trial: Trial
+    trial: SolvedTrial
     command: TrialCommand
     eddies: np.ndarray
     motor: TrialMotion
@@ -82,7 +82,7 @@ def study_design(recipe: Recipe) -> StudyDesign:
     return StudyDesign(
         recipe.name,
         plans,
-        Tank(robot=robot, fin=None, recoil=recipe.recoil),
+        GroundTruthPhysics(robot=robot, fin=None, recoil=recipe.recoil),
         recipe.seed,
         camera=gopro_like_camera("fisheye" if recipe.wide_lens else "pinhole"),
         flap_hz=recipe.flap_hz,
@@ -100,7 +100,7 @@ def _open_water_path(
         recipe.body, still, command, plan.longest_s, eddies=NO_EDDIES, recoil=recipe.recoil
     )
     time_s = np.arange(0, plan.longest_s + 1e-9, CHECK_STEP_S)
-    return keypoints(design.tank.robot, plan.head_length_m, motion.pose(time_s))
+    return body_point_positions(design.tank.robot, plan.head_length_m, motion.pose(time_s))
 
 
 def simulate_trial(
@@ -108,7 +108,7 @@ def simulate_trial(
 ) -> SimulatedTrial:
     """One trial of the recipe under the given laws, from its seed."""
     rng = trial_rng(design, plan.trial_id, "motion")
-    eddies = draw_eddies(rng, design.water_rms_m_s)
+    eddies = random_eddies(rng, design.water_rms_m_s)
     spread = 1 + design.flap_spread * rng.standard_normal()
     run = TrialSettings(
         flap_hz=design.flap_hz[plan.power_pct] * spread,
@@ -130,10 +130,12 @@ def simulate_trial(
         int((time_until_wall(design, design.tank, plan, motion) + late) * GOPRO_FRAME_RATE_HZ) + 1
     )
     time_s = np.arange(frames) / float(GOPRO_FRAME_RATE_HZ) - late
-    return SimulatedTrial(Trial(plan, design.tank, run, motion, time_s), command, rows, motion)
+    return SimulatedTrial(
+        SolvedTrial(plan, design.tank, run, motion, time_s), command, rows, motion
+    )
 
 
-def design_while_filmed(recipe: Recipe, design: StudyDesign, trial: Trial) -> StudyDesign:
+def design_while_filmed(recipe: Recipe, design: StudyDesign, trial: SolvedTrial) -> StudyDesign:
     """The design as it stands while a trial is filmed: the camera may have been displaced."""
     if recipe.fault is None or recipe.fault[0] != "camera_shift":
         return replace(design, conditions=FOOTAGE_CONDITIONS)
@@ -153,7 +155,7 @@ def observed_pixels(
     """Pixels `(frames, 5, 2)` where the keypoints truly appear, faults of seeing included."""
     trial = one.trial
     pose = trial.motion.pose(trial.time_s)
-    points = keypoints(trial.tank.robot, trial.plan.head_length_m, pose)
+    points = body_point_positions(trial.tank.robot, trial.plan.head_length_m, pose)
     if recipe.fault is not None and recipe.fault[0] == "keypoint_bias":
         points[:, 2] += 1j * np.exp(1j * pose[:, 2]) * recipe.fault[1]
     sinking = SINKING_DEPTH_M * laws.sink_per_s

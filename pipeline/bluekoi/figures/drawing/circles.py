@@ -29,7 +29,7 @@ def compared_angle_deg(campaign: Campaign) -> float:
     return max(angles_deg(found), key=lambda angle: (heads(angle), angle))
 
 
-def circle(radius_m: float) -> Float:
+def circle_points(radius_m: float) -> Float:
     """Points of a circle about the origin, (181, 2), m."""
     around = np.linspace(0, 2 * np.pi, 181)
     return radius_m * np.column_stack([np.cos(around), np.sin(around)])
@@ -65,7 +65,7 @@ def draw_turns(
     for trial in trials:
         colour = styles[trial.power_pct].colour
         dash = lines[_condition_key(trial, vary)][0]
-        ring = circle(campaign.steady[trial.trial_id].radius_m)
+        ring = circle_points(campaign.steady[trial.trial_id].radius_m)
         axes.plot(*ring.T, color=colour, ls=dash, lw=0.7, alpha=0.75)
         axes.plot(*measured_arc(campaign, trial).T, color=colour, lw=2, gid=trial.trial_id)
     equal_axes(axes)

@@ -17,7 +17,7 @@ from matplotlib.quiver import Quiver
 
 from ...data import Float
 
-Number = float | str
+NumberOrCategory = float | str
 """A value, or the name of a category."""
 
 
@@ -38,11 +38,11 @@ class Point(NamedTuple):
     trial_id: str
     colour: str
     artist: int
-    x: Number
-    y: Number
-    low: Number = ""
-    high: Number = ""
-    value: Number = ""
+    x: NumberOrCategory
+    y: NumberOrCategory
+    low: NumberOrCategory = ""
+    high: NumberOrCategory = ""
+    value: NumberOrCategory = ""
 
 
 def extract_points(figure: Figure) -> list[Point]:
@@ -136,7 +136,7 @@ def _bar_points(axes: Axes, bars: BarContainer) -> ArtistPoints:
     axis = axes.yaxis if horizontal else axes.xaxis
     names = {round(at, 6): text.get_text() for at, text in
              zip(axis.get_ticklocs(), axis.get_ticklabels(), strict=False)}  # fmt: skip
-    rows: list[tuple[Number, Number]] = []
+    rows: list[tuple[NumberOrCategory, NumberOrCategory]] = []
     for bar in bars.patches:
         box = bar.get_bbox()
         at = round(0.5 * (box.y0 + box.y1 if horizontal else box.x0 + box.x1), 6)
@@ -206,7 +206,7 @@ def _hex_colour(colour: Any) -> str:
     return str(to_hex(colour))
 
 
-def _rounded_text(value: Any) -> Number:
+def _rounded_text(value: Any) -> NumberOrCategory:
     """Value with five significant digits; empty for NaN."""
     if isinstance(value, str):
         return value

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ...campaign import Campaign
-from ...data import Steady
+from ...data import SteadyState
 from ...study import Trial
 from ...tuning.paper_steps import is_straight
 from .style import Style
@@ -34,7 +34,7 @@ class ConditionMean:
     trusted: bool
 
 
-def powers(campaign: Campaign) -> tuple[float, ...]:
+def motor_powers_pct(campaign: Campaign) -> tuple[float, ...]:
     """Motor powers of the study, ascending, %."""
     return tuple(sorted({trial.power_pct for trial in campaign.study.trials}))
 
@@ -92,9 +92,9 @@ def radius_means(campaign: Campaign) -> tuple[ConditionMean, ...]:
 
 
 def _condition_means(
-    campaign: Campaign, trials: Iterable[Trial], read: Callable[[Steady], tuple[float, float]]
+    campaign: Campaign, trials: Iterable[Trial], read: Callable[[SteadyState], tuple[float, float]]
 ) -> tuple[ConditionMean, ...]:
-    groups: dict[tuple[float, float, float], list[Steady]] = {}
+    groups: dict[tuple[float, float, float], list[SteadyState]] = {}
     for trial in trials:
         key = (trial.power_pct, abs(trial.head_angle_deg), trial.head_length_m)
         groups.setdefault(key, []).append(campaign.steady[trial.trial_id])
@@ -107,8 +107,8 @@ def _condition_means(
 
 def _condition_mean(
     key: tuple[float, float, float],
-    rows: list[Steady],
-    read: Callable[[Steady], tuple[float, float]],
+    rows: list[SteadyState],
+    read: Callable[[SteadyState], tuple[float, float]],
 ) -> ConditionMean | None:
     finite = [row for row in rows if np.isfinite(read(row)[0])]
     trusted = [row for row in finite if row.quality in TRUSTED_QUALITIES]

@@ -10,11 +10,11 @@ import numpy as np
 
 from ...campaign import Campaign
 from ...data import Float, Track
-from ...integrate import LANES, compiled
-from ...integrate.batch import in_lanes, propagate
-from ...model import constants, is_residual, plates
+from ...integrate import LANES, compile_system
+from ...integrate.batch import in_lanes, simulate_batch
+from ...model import constants_of_robot_trial, is_residual, two_plate_system
 
-CHANNELS = ("surge", "sway", "yaw")
+FORCE_CHANNELS = ("surge", "sway", "yaw")
 """Force components: along the core, to its left, and the moment about the vertical axis."""
 FORCE_COLUMNS = {"surge": "surge_N", "sway": "sway_N", "yaw": "yaw_Nm"}
 """Channel -> column of mismatch_detail.json with its missing force."""
@@ -45,7 +45,7 @@ STEPS_PER_FRAME = 4
 
 
 @dataclass(frozen=True)
-class MissingForce:
+class MissingForceSeries:
     """Missing force of one trial, (n, 3): surge, sway [mN], yaw [mN m], with standard errors.
 
     motion: (n, 7) = x, y [m], core heading [rad], surge, sway speed [m/s], yaw rate [rad/s],
@@ -58,13 +58,19 @@ class MissingForce:
     motion: Float
 
 
-def missing_forces(campaign: Campaign) -> dict[str, MissingForce]:
+def missing_forces(campaign: Campaign) -> dict[str, MissingForceSeries]:
     """Missing force by trial, from mismatch_detail.json and the tracks; empty without forces.
 
     A trial along which the filter ran away has none: its forces are not numbers.
     """
     forces = (campaign.mismatch_detail or {}).get("forces") or {}
-    needed = {"time_s", "x_m", "y_m", *FORCE_COLUMNS.values(), *(f"{c}_std" for c in CHANNELS)}
+    needed = {
+        "time_s",
+        "x_m",
+        "y_m",
+        *FORCE_COLUMNS.values(),
+        *(f"{c}_std" for c in FORCE_CHANNELS),
+    }
     found = {
         name: _missing_force(name, entry, campaign.tracks[name])
         for name, entry in forces.items()
@@ -73,7 +79,7 @@ def missing_forces(campaign: Campaign) -> dict[str, MissingForce]:
     return {name: one for name, one in found.items() if np.isfinite(one.force).all()}
 
 
-def variable_along_trial(campaign: Campaign, one: MissingForce, name: str) -> Float:
+def variable_along_trial(campaign: Campaign, one: MissingForceSeries, name: str) -> Float:
     """A variable of mismatch.json along a trial, (n,); NaN for an unknown name."""
     x, y, psi, u, v, r, t = one.motion.T
     trial = campaign.study.trial(one.trial_id)
@@ -98,7 +104,7 @@ def variable_along_trial(campaign: Campaign, one: MissingForce, name: str) -> Fl
     return known.get(name, np.full(len(t), np.nan))
 
 
-def force_of_effects(campaign: Campaign, one: MissingForce) -> Float:
+def force_of_effects(campaign: Campaign, one: MissingForceSeries) -> Float:
     """Force of the identified effects in the measured motion, (n, 3), mN and mN m.
 
     m (u'_with - u'_without), m (v'_with - v'_without), I (r'_with - r'_without), with the same
@@ -127,7 +133,7 @@ def _without_effects(fitted: Mapping[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _missing_force(name: str, entry: Mapping[str, Any], track: Track) -> MissingForce:
+def _missing_force(name: str, entry: Mapping[str, Any], track: Track) -> MissingForceSeries:
     times = np.asarray(entry["time_s"], dtype=float)
     psi, vx, vy, rate = (
         np.interp(times, track.time_s, values)
@@ -136,9 +142,9 @@ def _missing_force(name: str, entry: Mapping[str, Any], track: Track) -> Missing
     c, s = np.cos(psi), np.sin(psi)
     xy = [np.asarray(entry[k], dtype=float) for k in ("x_m", "y_m")]
     motion = [*xy, psi, vx * c + vy * s, vy * c - vx * s, rate, times]
-    force = [np.asarray(entry[FORCE_COLUMNS[channel]], dtype=float) for channel in CHANNELS]
-    std = [np.asarray(entry[f"{channel}_std"], dtype=float) for channel in CHANNELS]
-    return MissingForce(
+    force = [np.asarray(entry[FORCE_COLUMNS[channel]], dtype=float) for channel in FORCE_CHANNELS]
+    std = [np.asarray(entry[f"{channel}_std"], dtype=float) for channel in FORCE_CHANNELS]
+    return MissingForceSeries(
         name, 1000 * np.column_stack(force), 1000 * np.column_stack(std), np.column_stack(motion)
     )
 
@@ -154,24 +160,24 @@ def _identified_parameters(fitted: Mapping[str, Mapping[str, float]], power: str
         effect, _, parameter = name.rpartition(".")
         target = effects.setdefault(effect, {}) if effect else coefficients
         target[parameter] = float(cell["value"])
-    return np.asarray(plates().values(coefficients, effects))
+    return np.asarray(two_plate_system().values(coefficients, effects))
 
 
 def _recorded_rates(
-    campaign: Campaign, one: MissingForce, models: list[Float]
+    campaign: Campaign, one: MissingForceSeries, models: list[Float]
 ) -> tuple[Float, Float]:
     """Derivatives of surge, sway and yaw rate of two models in the measured motion, (n, 3) each.
 
     States of the effects, such as the lift of a fin that follows the flow, start at 0 and follow
     the measured motion.
     """
-    kernel, n = compiled(plates()), len(one.motion)
+    kernel, n = compile_system(two_plate_system()), len(one.motion)
     trial = campaign.study.trial(one.trial_id)
     state = np.zeros((n, len(kernel.system.all_states), LANES))
     state[:, :6] = one.motion[:, :6, None]
     values = np.repeat(models[0][:, None], LANES, axis=1)
     values[:, 1] = models[1]
-    fixed = constants(
+    fixed = constants_of_robot_trial(
         campaign.study.setup, trial.head_length_m, heading_rad=float(one.motion[0, 2])
     )
     inputs = [trial.head_angle_rad, campaign.steady[one.trial_id].flap_hz]
@@ -179,7 +185,7 @@ def _recorded_rates(
     def states_after(rows: slice, seconds: Float) -> Float:
         """States (m, states, 16) after an interval (m, 1) from each of some frames."""
         count = len(seconds)
-        _, states = propagate(
+        _, states = simulate_batch(
             kernel,
             state[rows],
             np.repeat(values[None], count, axis=0),

@@ -16,7 +16,7 @@ MEASURED_LINE_WIDTH = 2.8
 """So wide that the measured path shows beneath a model that follows it."""
 
 
-class Model(NamedTuple):
+class DrawnModel(NamedTuple):
     """A model as drawn: name in mismatch.json, prefix of its columns, style and labels."""
 
     result: str
@@ -27,10 +27,10 @@ class Model(NamedTuple):
     tick: str
 
 
-def models(campaign: Campaign) -> tuple[Model, ...]:
+def drawn_models(campaign: Campaign) -> tuple[DrawnModel, ...]:
     """Baseline and extended model; one model if no cause was identified."""
-    before = Model("baseline", "joint", BEFORE_COLOUR, "--", BASELINE_NAME, "before")
-    after = Model("extended", "extended", AFTER_COLOUR, "-", EXTENDED_NAME, "after")
+    before = DrawnModel("baseline", "joint", BEFORE_COLOUR, "--", BASELINE_NAME, "before")
+    after = DrawnModel("extended", "extended", AFTER_COLOUR, "-", EXTENDED_NAME, "after")
     if campaign.has_additions:
         return before, after
     return (before._replace(name="model", tick="model"),)
@@ -38,7 +38,9 @@ def models(campaign: Campaign) -> tuple[Model, ...]:
 
 def legend(campaign: Campaign) -> list[Line2D]:
     """Legend entries of the measured path and of each model."""
-    entries = [Line2D([], [], color=m.colour, ls=m.dash, label=m.name) for m in models(campaign)]
+    entries = [
+        Line2D([], [], color=m.colour, ls=m.dash, label=m.name) for m in drawn_models(campaign)
+    ]
     return [
         Line2D([], [], color=MEASURED_COLOUR, lw=MEASURED_LINE_WIDTH, label="measured"),
         *entries,
@@ -51,7 +53,7 @@ def draw_paths(axes: Axes, campaign: Campaign, trial_id: str, *, labels: bool) -
     track, columns = campaign.tracks[trial_id], campaign.model_columns(trial_id)
     axes.plot(track.x_m, track.y_m, color=MEASURED_COLOUR, lw=MEASURED_LINE_WIDTH, gid=trial_id)
     axes.plot(track.x_m[:1], track.y_m[:1], "o", ms=3, color=MEASURED_COLOUR)
-    known = [model for model in models(campaign) if f"{model.prefix}_x_m" in columns]
+    known = [model for model in drawn_models(campaign) if f"{model.prefix}_x_m" in columns]
     for i, model in enumerate(known):
         x, y = columns[f"{model.prefix}_x_m"], columns[f"{model.prefix}_y_m"]
         axes.plot(x, y, color=model.colour, ls=model.dash, lw=1.1, gid=trial_id)

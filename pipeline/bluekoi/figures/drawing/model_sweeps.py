@@ -10,10 +10,10 @@ import numpy as np
 
 from ...campaign import Campaign
 from ...data import Float
-from ...design_space import Condition, steady_states
-from ...integrate import LANES, compiled
-from ...integrate.batch import in_lanes, propagate
-from ...model import Simulation, constants, plates, simulate
+from ...design_space import OperatingCondition, steady_states
+from ...integrate import LANES, compile_system
+from ...integrate.batch import in_lanes, simulate_batch
+from ...model import Simulation, constants_of_robot_trial, simulate, two_plate_system
 
 BAND_DRAWS, MIN_BAND_DRAWS = LANES - 1, 5
 """Draws of the coefficients from which a band is made, and the fewest that must be finite."""
@@ -24,7 +24,7 @@ EXTRAPOLATED_COEFFICIENTS = ("C_Md", "C_Da")
 
 
 @dataclass(frozen=True)
-class PowerFit:
+class FitAtPower:
     """Coefficients (SI) and flapping frequency at one power, tuned or extrapolated.
 
     draws: name -> (draws,), samples of the fit's distribution, aligned over names and powers; may
@@ -39,7 +39,7 @@ class PowerFit:
 
 
 @dataclass(frozen=True)
-class Sweep:
+class PredictionSweep:
     """Predictions along a sweep, (n,), with a 95 % band; the band is NaN without draws."""
 
     best: Float
@@ -47,19 +47,19 @@ class Sweep:
     high: Float
 
 
-def fitted_powers(campaign: Campaign) -> dict[float, PowerFit]:
+def fits_at_tested_powers(campaign: Campaign) -> dict[float, FitAtPower]:
     """Results of the paper's steps at each tested power; empty before the tuning."""
     steps = campaign.coefficients.get("paper_steps", {})
     rows = [_fits_by_power(float(power), entry) for power, entry in steps.items()]
     return {row.power_pct: row for row in sorted((r for r in rows if r), key=_fit_of_power)}
 
 
-def with_extrapolated_powers(campaign: Campaign) -> dict[float, PowerFit]:
+def with_extrapolated_powers(campaign: Campaign) -> dict[float, FitAtPower]:
     """Tested powers, and 50 to 150 % with f, C_Md and C_Da extrapolated linearly over power.
 
     Least-squares lines through all tested powers; a single tested power is not extrapolated.
     """
-    known = fitted_powers(campaign)
+    known = fits_at_tested_powers(campaign)
     if len(known) < 2:
         return known
     added = [p for p in EXTENDED_POWERS_PCT if p not in known]
@@ -68,7 +68,7 @@ def with_extrapolated_powers(campaign: Campaign) -> dict[float, PowerFit]:
 
 
 def simulate_from_rest(
-    campaign: Campaign, row: PowerFit, head_length_m: float, duration_s: float
+    campaign: Campaign, row: FitAtPower, head_length_m: float, duration_s: float
 ) -> Simulation:
     """Straight run from rest at one power."""
     return simulate(
@@ -81,16 +81,16 @@ def simulate_from_rest(
     )
 
 
-def speed_from_rest(campaign: Campaign, row: PowerFit, times: Float) -> Sweep:
+def speed_from_rest(campaign: Campaign, row: FitAtPower, times: Float) -> PredictionSweep:
     """Speed of a straight run from rest of the 1x head at times (n,), m/s."""
     head = campaign.study.setup.robot.head_length_m
     lanes = _coefficient_values(row)[:LANES]
     short = LANES - len(lanes)
     values = np.vstack([lanes, np.repeat(lanes[:1], short, axis=0)]).T[None]
-    fixed = in_lanes(constants(campaign.study.setup, head)[None])
-    system = plates()
-    _, states = propagate(
-        compiled(system), np.zeros((1, len(system.all_states), LANES)), values, fixed,
+    fixed = in_lanes(constants_of_robot_trial(campaign.study.setup, head)[None])
+    system = two_plate_system()
+    _, states = simulate_batch(
+        compile_system(system), np.zeros((1, len(system.all_states), LANES)), values, fixed,
         times=times[None], inputs=np.tile([0.0, row.flap_hz], (1, len(times), 1)),
         keep_states=True,
     )  # fmt: skip
@@ -98,46 +98,51 @@ def speed_from_rest(campaign: Campaign, row: PowerFit, times: Float) -> Sweep:
 
 
 def turn_radii(
-    campaign: Campaign, row: PowerFit, head_lengths_m: Iterable[float], angles_deg: Iterable[float]
-) -> Sweep:
+    campaign: Campaign,
+    row: FitAtPower,
+    head_lengths_m: Iterable[float],
+    angles_deg: Iterable[float],
+) -> PredictionSweep:
     """Steady turn radii (m) at pairs of head length and angle; NaN without a steady turn."""
     conditions = [
-        Condition(row.flap_hz, math.radians(angle), length, campaign.study.setup)
+        OperatingCondition(row.flap_hz, math.radians(angle), length, campaign.study.setup)
         for length, angle in zip(head_lengths_m, angles_deg, strict=True)
     ]
     found = steady_states(conditions, _coefficient_values(row)).radius_m
     return _with_band(np.where(np.isfinite(found), found, np.nan))
 
 
-def turn_radius(campaign: Campaign, row: PowerFit, head_length_m: float, angle_deg: float) -> float:
+def turn_radius(
+    campaign: Campaign, row: FitAtPower, head_length_m: float, angle_deg: float
+) -> float:
     """Steady turn radius, m; NaN without a steady turn."""
     return float(turn_radii(campaign, row, [head_length_m], [angle_deg]).best[0])
 
 
 def radii_over_angle(
-    campaign: Campaign, row: PowerFit, head_length_m: float, angles_deg: Iterable[float]
-) -> Sweep:
+    campaign: Campaign, row: FitAtPower, head_length_m: float, angles_deg: Iterable[float]
+) -> PredictionSweep:
     """Radii at head angles, m."""
     angles = list(angles_deg)
     return turn_radii(campaign, row, [head_length_m] * len(angles), angles)
 
 
 def radii_over_length(
-    campaign: Campaign, row: PowerFit, lengths_m: Iterable[float], angle_deg: float
-) -> Sweep:
+    campaign: Campaign, row: FitAtPower, lengths_m: Iterable[float], angle_deg: float
+) -> PredictionSweep:
     """Radii at head lengths, m."""
     lengths = list(lengths_m)
     return turn_radii(campaign, row, lengths, [angle_deg] * len(lengths))
 
 
-def _coefficient_values(row: PowerFit) -> Float:
+def _coefficient_values(row: FitAtPower) -> Float:
     """Parameter vectors (1 + draws, parameters), the best estimate first."""
     count = len(next(iter(row.draws.values()), ()))
     drawn = [{name: float(v[k]) for name, v in row.draws.items()} for k in range(count)]
-    return np.array([plates().values(one) for one in (dict(row.coefficients), *drawn)])
+    return np.array([two_plate_system().values(one) for one in (dict(row.coefficients), *drawn)])
 
 
-def _with_band(values: Float) -> Sweep:
+def _with_band(values: Float) -> PredictionSweep:
     """Best estimate (first column), band of 1.96 standard deviations of the draws' logarithms."""
     best, rest = values[:, 0], values[:, 1:]
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -146,14 +151,14 @@ def _with_band(values: Float) -> Sweep:
     spread = np.full(len(best), np.nan)
     if known.any():
         spread[known] = 1.96 * np.nanstd(logs[known], axis=1, ddof=1)
-    return Sweep(best, best * np.exp(-spread), best * np.exp(spread))
+    return PredictionSweep(best, best * np.exp(-spread), best * np.exp(spread))
 
 
-def _fit_of_power(row: PowerFit) -> float:
+def _fit_of_power(row: FitAtPower) -> float:
     return row.power_pct
 
 
-def _fits_by_power(power: float, entry: Mapping[str, object]) -> PowerFit | None:
+def _fits_by_power(power: float, entry: Mapping[str, object]) -> FitAtPower | None:
     cells = entry.get("coefficients")
     flap_hz = entry.get("flap_hz")
     if not isinstance(cells, Mapping) or not isinstance(flap_hz, (int, float)):
@@ -162,7 +167,7 @@ def _fits_by_power(power: float, entry: Mapping[str, object]) -> PowerFit | None
     if any(value is None for value in values.values()):
         return None
     best = {k: float(v) for k, v in values.items()}
-    return PowerFit(
+    return FitAtPower(
         power, float(flap_hz), best, True, _coefficient_draws(entry.get("ensemble"), best)
     )
 
@@ -176,7 +181,7 @@ def _coefficient_draws(ensemble: object, best: Mapping[str, float]) -> dict[str,
     return {name: given.get(name, np.full(len(rows), value)) for name, value in best.items()}
 
 
-def _extrapolated_fit(known: Mapping[float, PowerFit], power: float) -> PowerFit:
+def _extrapolated_fit(known: Mapping[float, FitAtPower], power: float) -> FitAtPower:
     """Coefficients of an untested power; the constant ones come from the nearest tested power."""
     rows = list(known.values())
     nearest = min(rows, key=lambda row: abs(row.power_pct - power))
@@ -194,4 +199,4 @@ def _extrapolated_fit(known: Mapping[float, PowerFit], power: float) -> PowerFit
         for name in EXTRAPOLATED_COEFFICIENTS:
             every = np.array([row.draws[name] for row in rows])
             draws[name] = np.array([line(list(column)) for column in every.T])
-    return PowerFit(power, flap_hz, {**nearest.coefficients, **drawn}, False, draws)
+    return FitAtPower(power, flap_hz, {**nearest.coefficients, **drawn}, False, draws)

@@ -24,7 +24,7 @@ def white_noise_px(xy_px: Float, likelihood: Float) -> float:
     median absolute deviation; the sixth order unless another is clearly smaller.
     xy_px: (frames, 2). Slow errors of a network are not seen in this way.
     """
-    good = without_outliers(np.where(is_confident(likelihood)[:, None], xy_px, np.nan))
+    good = positions_without_jumps(np.where(is_confident(likelihood)[:, None], xy_px, np.nan))
     found = [_white_noise_std_px(np.diff(good, n=k, axis=0), k) for k in DIFFERENCE_ORDERS]
     known = [value for value in found if np.isfinite(value)]
     if not known:
@@ -34,7 +34,7 @@ def white_noise_px(xy_px: Float, likelihood: Float) -> float:
     return max(MIN_STD_PX, least if least < 0.8 * usual else usual)
 
 
-def without_outliers(xy_px: Float, order: int = 6) -> Float:
+def positions_without_jumps(xy_px: Float, order: int = 6) -> Float:
     """Positions (frames, 2) with lone jumps made NaN: the middle of the largest differences."""
     half = order // 2
     difference = np.diff(xy_px, n=order, axis=0)

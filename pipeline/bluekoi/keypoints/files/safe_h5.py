@@ -49,7 +49,7 @@ def open_h5(path: Path) -> Iterator[Any]:
         ) from error
 
 
-def member(group: Any, name: str) -> Any:
+def local_h5_member(group: Any, name: str) -> Any:
     """Dataset or group `name` that truly lies in this file, None where there is none.
 
     Raises: ValueError for links out of the file, virtual or external storage, absurd sizes.
@@ -68,7 +68,7 @@ def member(group: Any, name: str) -> Any:
     return item
 
 
-def strings(dataset: Any) -> list[str]:
+def read_h5_strings(dataset: Any) -> list[str]:
     """Text of a dataset of names (fixed or variable length)."""
     cells = dataset[()].ravel().tolist()
     return [c.decode("utf-8", "replace") if isinstance(c, bytes) else str(c) for c in cells]

@@ -9,11 +9,18 @@ from pathlib import Path
 
 import numpy as np
 
-from ...data import MIN_LIKELIHOOD, PARTS, Float, Keypoints, Mask, is_confident
+from ...data import (
+    BODY_PART_NAMES,
+    MIN_KEYPOINT_LIKELIHOOD,
+    BoolNDArray,
+    Float,
+    Keypoints,
+    is_confident,
+)
 from ...errors import did_you_mean, input_error
 from .noise import white_noise_px
 
-Column = tuple[str, str]
+IndividualAndPart = tuple[str, str]
 MAX_COORDINATE_PX = 1e6
 MAX_LIKELIHOOD = 2.0  # scores of some networks reach a little over 1
 MIN_LIKELIHOOD_IN_FILE = 0.1
@@ -37,7 +44,7 @@ class Table:
     likelihood: (rows, columns).
     """
 
-    columns: tuple[Column, ...]
+    columns: tuple[IndividualAndPart, ...]
     frame: Float
     xy_px: Float
     likelihood: Float
@@ -182,7 +189,7 @@ def to_keypoints(
 
     Raises: InputError where head direction or core centre cannot be had from the parts there are.
     """
-    wanted = {part: (bodyparts or {}).get(part, part) for part in PARTS}
+    wanted = {part: (bodyparts or {}).get(part, part) for part in BODY_PART_NAMES}
     who, remarks = _most_seen_individual(table, wanted)
     found = ((part, _column_index(table, who, name)) for part, name in wanted.items())
     chosen = {part: i for part, i in found if i is not None}
@@ -192,7 +199,9 @@ def to_keypoints(
     inside = (time_s >= (start or 0.0) - 1e-9) & (time_s <= (np.inf if end is None else end) + 1e-9)
     order = list(chosen.values())
     xy, likelihood = table.xy_px[inside][:, order], table.likelihood[inside][:, order]
-    likelihood = np.where(_uncertain_points(likelihood, min_likelihood), MIN_LIKELIHOOD, likelihood)
+    likelihood = np.where(
+        _uncertain_points(likelihood, min_likelihood), MIN_KEYPOINT_LIKELIHOOD, likelihood
+    )
     variance = np.array(
         [white_noise_px(xy[:, i], likelihood[:, i]) ** 2 for i in range(len(order))]
     )
@@ -204,7 +213,7 @@ def to_keypoints(
     return Keypoints(time_s[inside], tuple(chosen), xy, likelihood, cov, remarks)
 
 
-def _uncertain_points(likelihood: Float, min_likelihood: float) -> Mask:
+def _uncertain_points(likelihood: Float, min_likelihood: float) -> BoolNDArray:
     """Where points (frames, parts) count although they are not confident."""
     uncertain = (likelihood >= min_likelihood) & ~is_confident(likelihood)
     most = 2 * uncertain.sum(axis=0) > (likelihood >= min_likelihood).sum(axis=0)

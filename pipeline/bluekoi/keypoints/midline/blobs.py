@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from ...data import Float
 from ...vector_width import njit
-from ..outline.background import Image, grey_level_quantiles, noise_level
+from ..outline.background import LumaPicture, grey_level_quantiles, noise_level
 from ..outline.blob_detection import pool_mask
-from ..outline.plane import Plane
+from ..outline.plane import SwimmingPlaneMap
 from .midline_fit import BEND_TERMS, REFERENCE_ARC, Image32, bending_basis
 
 RARE_FRAMES_SHARE = 0.1
@@ -34,8 +34,8 @@ class BackgroundModel:
     are reduced by this factor before blobs are searched.
     """
 
-    background: Image
-    plane: Plane
+    background: LumaPicture
+    plane: SwimmingPlaneMap
     sign: float
     skin: float
     level: float
@@ -74,7 +74,9 @@ class Blob:
     thicker: float
 
 
-def background_model(samples: list[Image], plane: Plane, total_bl: float) -> BackgroundModel:
+def background_model(
+    samples: list[LumaPicture], plane: SwimmingPlaneMap, total_bl: float
+) -> BackgroundModel:
     """Background model from frames spread over the film; total_bl: nose to tail tip.
 
     The median grey level of a pixel is the background's, except where a body rests for most of the
@@ -106,7 +108,7 @@ def background_model(samples: list[Image], plane: Plane, total_bl: float) -> Bac
 
 
 def reduced_image(
-    luma: Image, arena: BackgroundModel, centre: Float | None = None, reach_px: float = 0.0
+    luma: LumaPicture, arena: BackgroundModel, centre: Float | None = None, reach_px: float = 0.0
 ) -> ReducedImage:
     """Reduced part of a frame around a centre (2,) px, within `reach_px`; all of it by default."""
     height, width = luma.shape
@@ -220,7 +222,7 @@ def distances_from_end(own: npt.NDArray[np.bool_]) -> Float:
     return away
 
 
-def candidate_poses(blob: Blob, plane: Plane, length_bl: float) -> list[Float]:
+def candidate_poses(blob: Blob, plane: SwimmingPlaneMap, length_bl: float) -> list[Float]:
     """Two poses (3 + BEND_TERMS,) along the blob's midline, the thicker end as the nose first."""
     line = plane.body_lengths(blob.line)
     both = [line, line[::-1]] if blob.thicker >= 1 else [line[::-1], line]

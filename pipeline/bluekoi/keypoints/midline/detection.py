@@ -9,7 +9,7 @@ import numpy as np
 
 from ...data import Float, Frame, Keypoints
 from ...study import Robot, Trial
-from ..outline.plane import Plane
+from ..outline.plane import SwimmingPlaneMap
 from .blobs import BackgroundModel, background_model, find_blobs, reduced_image
 from .learning import learn_template
 from .midline_fit import BendingTemplate, bending_basis
@@ -46,7 +46,7 @@ class LearnedBody:
 
 
 def learn_body(
-    samples: Sequence[Frame], plane: Plane, robot: Robot, trial: Trial
+    samples: Sequence[Frame], plane: SwimmingPlaneMap, robot: Robot, trial: Trial
 ) -> LearnedBody | None:
     """The body in a few frames spread over a recording; None without one."""
     images = [frame.luma for frame in samples]
@@ -59,7 +59,9 @@ def learn_body(
     return LearnedBody(arena, *found, several)
 
 
-def detect(film: Iterable[Frame], body: LearnedBody, robot: Robot, trial: Trial) -> Keypoints:
+def detect_keypoints(
+    film: Iterable[Frame], body: LearnedBody, robot: Robot, trial: Trial
+) -> Keypoints:
     """Keypoints of every frame of a film."""
     start = trial.start_px
     start_px = None if start is None else np.array(start)

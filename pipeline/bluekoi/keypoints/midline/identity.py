@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .midline_fit import BendingTemplate, midline
-from .track import Fit, Track
+from .track import BodyFitHistory, MidlineFit
 
 SAME_BODY_DISTANCE_LENGTHS, CONFUSION_DISTANCE_LENGTHS = 0.12, 1.5
 MAX_SEARCH_RADIUS_LENGTHS = 2.5
@@ -20,7 +20,7 @@ RECOVERY_FRAMES = 4
 """Frames in a row in which a body alone has to be found after a doubt."""
 
 
-def body_distance(one: Track, other: Track, shape: BendingTemplate) -> float:
+def body_distance(one: BodyFitHistory, other: BodyFitHistory, shape: BendingTemplate) -> float:
     """Distance of two bodies in whole lengths."""
     a, b = one.last(), other.last()
     if a is None or b is None:
@@ -29,7 +29,7 @@ def body_distance(one: Track, other: Track, shape: BendingTemplate) -> float:
 
 
 def record_possible_exchange(
-    target: Track, others: Sequence[Track], shape: BendingTemplate
+    target: BodyFitHistory, others: Sequence[BodyFitHistory], shape: BendingTemplate
 ) -> None:
     """Record the time from which the target may have been exchanged for another body.
 
@@ -52,7 +52,7 @@ def record_possible_exchange(
         target.doubtful_s = min(target.doubtful_s, target.times[-1])
 
 
-def record_doubtful_jump(target: Track, shape: BendingTemplate) -> None:
+def record_doubtful_jump(target: BodyFitHistory, shape: BendingTemplate) -> None:
     """Add the last frame to `unsure` if a body alone jumps to a place where it is not certain.
 
     A jump from the last certain frame is certain if that is the frame before and the body is well
@@ -72,19 +72,19 @@ def record_doubtful_jump(target: Track, shape: BendingTemplate) -> None:
         target.unsure.add(i)
 
 
-def is_well_seen(one: Fit) -> bool:
+def is_well_seen(one: MidlineFit) -> bool:
     """Whether enough of a body is in sight and explained by the template."""
     return one.support[4] > MIN_VISIBLE_SHARE and one.support_score > MIN_SAME_SCORE
 
 
-def is_jump(one: Fit, before: Fit, shape: BendingTemplate) -> bool:
+def is_jump(one: MidlineFit, before: MidlineFit, shape: BendingTemplate) -> bool:
     """Whether a body turns or moves from one fit to another by more than between two frames."""
     moved = math.hypot(*(one.pose - before.pose)[:2])
     turned = abs(math.remainder(one.pose[2] - before.pose[2], 2 * math.pi))
     return turned > MAX_TURN_RAD or moved > MAX_MOVE_LENGTHS * shape.length_bl
 
 
-def _is_same_body(one: Fit, body: Track, shape: BendingTemplate) -> bool:
+def _is_same_body(one: MidlineFit, body: BodyFitHistory, shape: BendingTemplate) -> bool:
     """Whether another body's midline lies on this one's."""
     other = body.last()
     if other is None:

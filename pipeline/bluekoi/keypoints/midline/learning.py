@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...data import Float
-from ..outline.background import Image
+from ..outline.background import LumaPicture
 from ..outline.template import nan_median
 from .blobs import (
     BackgroundModel,
@@ -24,7 +24,7 @@ from .midline_fit import (
     STATIONS_ACROSS,
     STATIONS_ALONG,
     BendingTemplate,
-    fit_pose,
+    fit_midline_pose,
     midline,
     station_arcs,
     station_positions,
@@ -34,12 +34,12 @@ from .midline_fit import (
 LEARNING_ROUNDS = 4
 MAX_BODIES = 40
 LENGTH_RATIO_RANGE = (0.7, 1.3)
-MIN_SUPPORT = 0.5
+MIN_LEARNING_SUPPORT_SHARE = 0.5
 TAIL_ARC_RANGE = (0.75, 0.9)
 
 
 def learn_template(
-    samples: Sequence[Image], arena: BackgroundModel
+    samples: Sequence[LumaPicture], arena: BackgroundModel
 ) -> tuple[BendingTemplate, Float, Float] | None:
     """Template learned from the bodies in some frames, with their poses and support; else None.
 
@@ -59,7 +59,7 @@ def learn_template(
     shape = _with_median_coverage(shape, pairs, arena)
     for turn in range(LEARNING_ROUNDS):
         fits = [(p, *_best_fit(p, shape, arena, pose, turned=turn == 0)) for p, pose in pairs]
-        pairs = [(p, pose) for p, pose, support in fits if support > MIN_SUPPORT]
+        pairs = [(p, pose) for p, pose, support in fits if support > MIN_LEARNING_SUPPORT_SHARE]
         if len(pairs) < 2:
             return None
         shape = _with_median_coverage(shape, pairs, arena)
@@ -121,11 +121,11 @@ def _typical_blobs(seen: list[tuple[ReducedImage, Blob]]) -> list[tuple[ReducedI
 def fit_to_image(
     picture: ReducedImage, shape: BendingTemplate, arena: BackgroundModel, pose: Float
 ) -> tuple[Float, Float, Float, Float]:
-    """`fit_pose` of a template to a reduced image."""
+    """`fit_midline_pose` of a template to a reduced image."""
     plane = arena.plane
     seen = (picture.change, picture.depth, (plane.to_px, plane.scale_bl, picture.place))
     tolerance = max(3.0 * arena.noise, 0.3 * abs(float(np.median(arena.background)) - arena.skin))
-    return fit_pose(seen, shape.tables, shape.size, pose, tolerance)
+    return fit_midline_pose(seen, shape.tables, shape.size, pose, tolerance)
 
 
 def _with_median_coverage(

@@ -20,10 +20,10 @@ from ...data import Float
 from ...vector_width import njit
 from ..outline.edges import interpolate_bilinear as inner_bilinear
 from ..outline.plane import horner
-from ..outline.pose_fit import jacobian
+from ..outline.pose_fit import plane_to_pixel_jacobian
 
 Image32 = npt.NDArray[np.float32]
-Maps = tuple[Float, Float, Float]
+PlaneToPixelMap = tuple[Float, Float, Float]
 """Coefficients and scale of the plane's map to pixels; and the cut: factor, left, top."""
 BEND_TERMS = 5
 REFERENCE_ARC = 0.3
@@ -136,7 +136,7 @@ def interpolate_or_nan(image: Image32, u: float, v: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def straightened_image(
-    picture: tuple[Image32, Image32, Maps],
+    picture: tuple[Image32, Image32, PlaneToPixelMap],
     pose: Float,
     line: tuple[Float, Float, Float],
     size: Float,
@@ -150,7 +150,7 @@ def straightened_image(
     n = len(heading)
     change, depth = np.empty((n, STATIONS_ACROSS)), np.empty((n, STATIONS_ACROSS))
     factor, left, top = maps[2]
-    local = jacobian(maps[0], maps[1], pose[0], pose[1])
+    local = plane_to_pixel_jacobian(maps[0], maps[1], pose[0], pose[1])
     for k in range(n):
         u, v = horner(maps[0], maps[1], place[k, 0], place[k, 1])
         nx, ny = -math.sin(heading[k]), math.cos(heading[k])
@@ -267,8 +267,8 @@ def _limited_scoring_step(information: Float, side: Float, pose: Float) -> Float
 
 
 @njit(cache=True, error_model="numpy")
-def fit_pose(
-    picture: tuple[Image32, Image32, Maps],
+def fit_midline_pose(
+    picture: tuple[Image32, Image32, PlaneToPixelMap],
     tables: tuple[Float, Float, Float, Float],
     size: Float,
     start: Float,

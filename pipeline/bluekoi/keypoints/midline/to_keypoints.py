@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...data import PARTS, Float, Keypoints
+from ...data import BODY_PART_NAMES, Float, Keypoints
 from ...study import Robot, Trial
 from ..outline.plane import in_body_lengths
-from ..outline.to_keypoints import jump_factors, likelihood_of_support
+from ..outline.to_keypoints import likelihood_factors_at_jumps, likelihood_of_support
 from .blobs import BackgroundModel
 from .midline_fit import (
     REFERENCE_ARC,
@@ -19,7 +19,7 @@ from .midline_fit import (
     station_arcs,
     station_positions,
 )
-from .track import Fit, Track
+from .track import BodyFitHistory, MidlineFit
 
 MIN_STD_PX = 0.03
 LENGTH_STD_SHARE = 0.02
@@ -52,13 +52,17 @@ def total_length(robot: Robot, trial: Trial) -> float:
 
 
 def keypoints_from_fits(
-    times: Sequence[float], track: Track, arena: BackgroundModel, shape: BendingTemplate, arc: Float
+    times: Sequence[float],
+    track: BodyFitHistory,
+    arena: BackgroundModel,
+    shape: BendingTemplate,
+    arc: Float,
 ) -> Keypoints:
     """Keypoints at arcs (5,) of a recording; NaN with likelihood 0 where no body was found.
 
     The nose is the end that moves ahead; where the body hardly swims, the thicker one.
     """
-    n, p = len(times), len(PARTS)
+    n, p = len(times), len(BODY_PART_NAMES)
     xy, likelihood = np.full((n, p, 2), np.nan), np.zeros((n, p))
     cov = np.full((n, p, 2, 2), np.nan)
     known = [(i, one) for i, one in enumerate(track.fits) if one is not None]
@@ -70,7 +74,9 @@ def keypoints_from_fits(
         xy[where], cov[where] = _pixels_and_covariances(fits, arena, shape, arc)
         each = np.array([_keypoint_likelihoods(one, backwards=backwards) for one in fits])
         poses = [one.pose if one else None for one in track.fits]
-        jumps = jump_factors(times, poses, MAX_JUMP_LENGTHS * shape.length_bl, MAX_JUMP_RAD)
+        jumps = likelihood_factors_at_jumps(
+            times, poses, MAX_JUMP_LENGTHS * shape.length_bl, MAX_JUMP_RAD
+        )
         likelihood[where] = each * jumps[where, None]
     late = np.array(times) >= track.doubtful_s
     doubtful = late | np.isin(np.arange(n), list(track.unsure))
@@ -83,10 +89,10 @@ def keypoints_from_fits(
     if n > len(known):
         first = next(t for t, one in zip(times, track.fits, strict=True) if one is None)
         remarks.append(f"{n - len(known)} of {n} frames without the robot (first at {first:.2f} s)")
-    return Keypoints(np.array(times), PARTS, xy, likelihood, cov, tuple(remarks))
+    return Keypoints(np.array(times), BODY_PART_NAMES, xy, likelihood, cov, tuple(remarks))
 
 
-def _forward_motion_share(fits: Sequence[Fit], shape: BendingTemplate) -> float:
+def _forward_motion_share(fits: Sequence[MidlineFit], shape: BendingTemplate) -> float:
     """How far the body moved towards its nose, as a share of its way; 0 where it hardly moved."""
     pose = np.array([one.pose for one in fits])
     step = np.diff(pose[:, :2], axis=0)
@@ -96,7 +102,7 @@ def _forward_motion_share(fits: Sequence[Fit], shape: BendingTemplate) -> float:
 
 
 def _pixels_and_covariances(
-    fits: Sequence[Fit], arena: BackgroundModel, shape: BendingTemplate, arc: Float
+    fits: Sequence[MidlineFit], arena: BackgroundModel, shape: BendingTemplate, arc: Float
 ) -> tuple[Float, Float]:
     """Pixels (n, 5, 2) and covariances (n, 5, 2, 2) of fits."""
     bend, *_ = shape.tables
@@ -127,7 +133,7 @@ def _pixels_and_covariances(
 
 
 def _positions_and_pose_slopes(
-    one: Fit, shape: BendingTemplate, bend: Float, arc: Float
+    one: MidlineFit, shape: BendingTemplate, bend: Float, arc: Float
 ) -> tuple[Float, Float]:
     """Places (5, 2) and slopes (5, 2, 3 + BEND_TERMS) of arcs by the pose in body axes."""
     place, _, by_bend = station_positions(one.pose, shape.size, bend)
@@ -143,7 +149,7 @@ def _positions_and_pose_slopes(
     return found[:, :2], slope
 
 
-def _keypoint_likelihoods(one: Fit, *, backwards: bool) -> Float:
+def _keypoint_likelihoods(one: MidlineFit, *, backwards: bool) -> Float:
     """Likelihood (5,) from how much of the picture about each third the body explains."""
     head, core, tail, whole, seen, *visible = one.support
     if backwards:

@@ -14,7 +14,7 @@ LOST_AFTER_FRAMES, TYPICAL_SCORE_FRAMES = 8, 25
 
 
 @dataclass(frozen=True)
-class Fit:
+class MidlineFit:
     """Fit of one frame.
 
     pose: (P,). information: (P, P), and meat: (P, P) sum of g g' over the stations' scores g, both
@@ -36,19 +36,19 @@ class Fit:
 
 
 @dataclass
-class Track:
+class BodyFitHistory:
     """One body's fits so far.
 
     doubtful_s: time since which it may be another body. unsure: frames in which a body alone jumps.
     """
 
     times: list[float] = field(default_factory=list)
-    fits: list[Fit | None] = field(default_factory=list)
+    fits: list[MidlineFit | None] = field(default_factory=list)
     doubtful_s: float = math.inf
     unsure: set[int] = field(default_factory=set)
 
     @property
-    def recent_fits(self) -> list[tuple[float, Fit]]:
+    def recent_fits(self) -> list[tuple[float, MidlineFit]]:
         """The last two fits with their times, of the last frames."""
         recent = zip(self.times[-LOST_AFTER_FRAMES:], self.fits[-LOST_AFTER_FRAMES:], strict=True)
         return [(t, one) for t, one in recent if one is not None][-2:]
@@ -82,7 +82,7 @@ class Track:
         pose[:3] += steps * (last.pose - before.pose)[:3]
         return pose
 
-    def add(self, time_s: float, one: Fit | None) -> None:
+    def add(self, time_s: float, one: MidlineFit | None) -> None:
         """Append a frame."""
         self.times.append(time_s)
         self.fits.append(one)

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from ...data import Float, Frame
-from ..outline.background import Image
+from ..outline.background import LumaPicture
 from .blobs import BackgroundModel, Blob, ReducedImage, candidate_poses, find_blobs, reduced_image
 from .identity import (
     MAX_SEARCH_RADIUS_LENGTHS,
@@ -23,7 +23,7 @@ from .identity import (
 )
 from .learning import fit_to_image
 from .midline_fit import BEND_TERMS, MIN_SEEN_SHARE, STATIONS_ACROSS, BendingTemplate, midline
-from .track import LOST_AFTER_FRAMES, Fit, Track
+from .track import LOST_AFTER_FRAMES, BodyFitHistory, MidlineFit
 
 MIN_SUPPORT, MAX_SCORE_DROP = 0.5, 0.05
 TURN_COST_PER_RAD, MOVE_COST_PER_LENGTH = 0.1, 0.1
@@ -42,14 +42,14 @@ def track_body(
     start_px: Float | None,
     *,
     several: bool,
-) -> tuple[list[float], Track]:
+) -> tuple[list[float], BodyFitHistory]:
     """Times (s) of all frames, and the track of the target body.
 
     start_px: (2,) position in the first frame; without it, the best-fitting body is the target.
     several: whether similar bodies may be in the picture.
     """
-    target: Track = Track()
-    others: list[Track] = []
+    target: BodyFitHistory = BodyFitHistory()
+    others: list[BodyFitHistory] = []
     times: list[float] = []
     for frame in film:
         times.append(frame.time_s)
@@ -76,8 +76,8 @@ def track_body(
 
 
 def _first_fit(
-    luma: Image, arena: BackgroundModel, shape: BendingTemplate, start_px: Float | None
-) -> Fit | None:
+    luma: LumaPicture, arena: BackgroundModel, shape: BendingTemplate, start_px: Float | None
+) -> MidlineFit | None:
     """The body at `start_px`, or else the best-fitting one.
 
     At `start_px`, straight bodies with all headings are tried beside the poses of the blobs,
@@ -90,7 +90,7 @@ def _first_fit(
         place = arena.plane.body_lengths(start_px[None])[0]
         headings = np.linspace(-math.pi, math.pi, START_HEADINGS, endpoint=False)
         straight = [np.concatenate([place, [angle], np.zeros(BEND_TERMS)]) for angle in headings]
-        tried = [Fit(*fit_to_image(picture, shape, arena, pose)) for pose in straight]
+        tried = [MidlineFit(*fit_to_image(picture, shape, arena, pose)) for pose in straight]
         good += [one for one in tried if one.support_score > MIN_SUPPORT]
         good = [
             one
@@ -101,7 +101,7 @@ def _first_fit(
     return max(good, key=lambda one: one.support_score, default=None)
 
 
-def _distance_to_midline_bl(one: Fit, place: Float, shape: BendingTemplate) -> float:
+def _distance_to_midline_bl(one: MidlineFit, place: Float, shape: BendingTemplate) -> float:
     """Distance of a place from a body's midline, body lengths."""
     line, _ = midline(one.pose, shape.length_bl, np.linspace(0, 1, 21))
     return float(np.hypot(*(line - place).T).min())
@@ -109,14 +109,14 @@ def _distance_to_midline_bl(one: Fit, place: Float, shape: BendingTemplate) -> f
 
 def _best_fit_to_blob(
     picture: ReducedImage, blob: Blob, arena: BackgroundModel, shape: BendingTemplate
-) -> Fit | None:
-    fits = [Fit(*fit_to_image(picture, shape, arena, pose))
+) -> MidlineFit | None:
+    fits = [MidlineFit(*fit_to_image(picture, shape, arena, pose))
             for pose in candidate_poses(blob, arena.plane, shape.length_bl)]  # fmt: skip
     return max(fits, key=lambda one: one.support_score, default=None)
 
 
 def _track_next_frame(
-    frame: Frame, bodies: Sequence[Track], arena: BackgroundModel, shape: BendingTemplate
+    frame: Frame, bodies: Sequence[BodyFitHistory], arena: BackgroundModel, shape: BendingTemplate
 ) -> None:
     """Fit all bodies to the next frame; a second time if bodies are near each other."""
     expected = [body.predicted(frame.time_s) for body in bodies]
@@ -151,14 +151,14 @@ def _neighbour_poses(k: int, places: Sequence[Float | None], shape: BendingTempl
 
 
 def _fit_body(
-    luma: Image,
+    luma: LumaPicture,
     k: int,
-    bodies: Sequence[Track],
+    bodies: Sequence[BodyFitHistory],
     places: Sequence[Float | None],
     *,
     arena: BackgroundModel,
     shape: BendingTemplate,
-) -> Fit | None:
+) -> MidlineFit | None:
     """The k-th body's best fit, without the pixels that other bodies cover."""
     body, expected, last = bodies[k], places[k], bodies[k].last()
     if expected is None or last is None:
@@ -175,13 +175,13 @@ def _fit_body(
     near = _neighbour_poses(k, places, shape)
     if near:
         picture = _mask_other_bodies(picture, near, arena, shape)
-    tried = [Fit(*fit_to_image(picture, shape, arena, expected))]
+    tried = [MidlineFit(*fit_to_image(picture, shape, arena, expected))]
     if (
         tried[0].support_score < body.typical_score - MAX_SCORE_DROP
         or _distance_from_expected_bl(tried[0], expected) > 0.15 * shape.length_bl
     ):
         starts = [last, *_starting_poses(picture, arena, shape)]
-        tried += [Fit(*fit_to_image(picture, shape, arena, pose)) for pose in starts]
+        tried += [MidlineFit(*fit_to_image(picture, shape, arena, pose)) for pose in starts]
     best = max(tried, key=lambda one: _penalised_score(one, expected, shape))
     far = _distance_from_expected_bl(best, expected) > reach / arena.length_px * shape.length_bl
     if far or best.support[3] < MIN_SUPPORT or best.support[4] < MIN_SEEN_SHARE:
@@ -201,11 +201,11 @@ def _starting_poses(
     ]
 
 
-def _distance_from_expected_bl(one: Fit, expected: Float) -> float:
+def _distance_from_expected_bl(one: MidlineFit, expected: Float) -> float:
     return math.hypot(*(one.pose - expected)[:2])
 
 
-def _penalised_score(one: Fit, expected: Float, shape: BendingTemplate) -> float:
+def _penalised_score(one: MidlineFit, expected: Float, shape: BendingTemplate) -> float:
     """Support score minus penalties for a turn and a move away from the expected pose."""
     turn = abs(math.remainder(one.pose[2] - expected[2], 2 * math.pi))
     return (
@@ -233,8 +233,8 @@ def _mask_other_bodies(
 
 
 def _new_tracks(
-    frame: Frame, bodies: Sequence[Track], arena: BackgroundModel, shape: BendingTemplate
-) -> list[Track]:
+    frame: Frame, bodies: Sequence[BodyFitHistory], arena: BackgroundModel, shape: BendingTemplate
+) -> list[BodyFitHistory]:
     """Bodies near the first one, which is seen, that are not followed yet."""
     around = bodies[0].last()
     if around is None:
@@ -248,7 +248,7 @@ def _new_tracks(
     for blob in find_blobs(ReducedImage(free.change, picture.depth, free.place), arena):
         one = _best_fit_to_blob(picture, blob, arena, shape)
         if one is not None and one.support_score > MIN_NEW_TRACK_SCORE:
-            track = Track()
+            track = BodyFitHistory()
             track.add(frame.time_s, one)
             new.append(track)
     return new

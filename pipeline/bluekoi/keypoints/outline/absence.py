@@ -9,15 +9,15 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from .background import Image, median_image, noise_level
+from .background import LumaPicture, median_image, noise_level
 from .blob_detection import LEVEL_NOISE_STDS, MIN_LEVEL_GREY_LEVELS, pool_mask
-from .plane import Plane
+from .plane import SwimmingPlaneMap
 
 MIN_ROBOT_LENGTH_PX = 40.0
 EXTENT_RATIO_RANGE = (0.6, 1.7)
 
 
-def absence_reason(images: Sequence[Image], plane: Plane, length_bl: float) -> str:
+def absence_reason(images: Sequence[LumaPicture], plane: SwimmingPlaneMap, length_bl: float) -> str:
     """The likely reason with its numbers, and a remedy.
 
     length_bl: nose to caudal base, body lengths.
@@ -66,7 +66,7 @@ def _compare_extents_with_stated(seen: Sequence[npt.NDArray[np.float64]], stated
 
 
 def _contrast_and_extents_px(
-    image: Image, floor: Image, level: float, plane: Plane
+    image: LumaPicture, floor: LumaPicture, level: float, plane: SwimmingPlaneMap
 ) -> tuple[float, npt.NDArray[np.float64]]:
     """Greatest contrast in the pool, and the extents [px] of what differs by more than a level."""
     change = cv2.blur(cv2.absdiff(image, floor), (3, 3)) * pool_mask(image.shape, plane.corners_px)

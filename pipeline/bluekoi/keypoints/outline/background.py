@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ...data import Frame
 from ...vector_width import njit
 
-Image = npt.NDArray[np.uint8]
+LumaPicture = npt.NDArray[np.uint8]
 ROWS_PER_STRIP = 32
 
 
@@ -40,12 +40,12 @@ def _with_copied_luma(frame: Frame) -> Frame:
     return Frame(frame.index, frame.time_s, np.array(frame.luma))
 
 
-def median_image(images: Sequence[Image]) -> Image:
+def median_image(images: Sequence[LumaPicture]) -> LumaPicture:
     """Median (height, width) of pictures, exact; the lower middle of an even number."""
     return grey_level_quantiles(images, 0.5)[0]
 
 
-def grey_level_quantiles(images: Sequence[Image], *shares: float) -> npt.NDArray[np.uint8]:
+def grey_level_quantiles(images: Sequence[LumaPicture], *shares: float) -> npt.NDArray[np.uint8]:
     """Pictures (shares, height, width): the grey level of each pixel that ranks at each share.
 
     Worked out a strip of rows at a time: a stack of whole pictures would be memory that is new to
@@ -80,14 +80,14 @@ def _sort_along_first_axis(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8
     return stack
 
 
-def noise_level(images: Sequence[Image], background: Image) -> float:
+def noise_level(images: Sequence[LumaPicture], background: LumaPicture) -> float:
     """Usual deviation of a picture from the background, grey levels (robust, every 7th pixel)."""
     thin = background[::7, ::7].astype(np.int16)
     deviation = [np.median(np.abs(image[::7, ::7] - thin)) for image in images]
     return max(1.0, 1.4826 * float(np.median(deviation)))
 
 
-def without_static_robot(background: Image, size_px: float) -> Image:
+def without_static_robot(background: LumaPicture, size_px: float) -> LumaPicture:
     """Background with what is dark or bright and as wide as the robot taken out of it.
 
     For a robot that hardly moves and so became part of the median: a closing (or opening, where

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
-from .plane import Plane
-from .template import Template
+from .plane import SwimmingPlaneMap
+from .template import OutlineTemplate
 
-Image = npt.NDArray[np.uint8]
+LumaPicture = npt.NDArray[np.uint8]
 POOL_MASK_ENLARGEMENT = 1.08
 MIN_RELATIVE_CONTRAST = 0.4
 MIN_LEVEL_GREY_LEVELS, LEVEL_NOISE_STDS = 14.0, 4.0
@@ -38,7 +38,10 @@ class Blob:
 
 
 def find_blobs(
-    pictures: tuple[Image, Image], plane: Plane, noise: float, area_bl2: float
+    pictures: tuple[LumaPicture, LumaPicture],
+    plane: SwimmingPlaneMap,
+    noise: float,
+    area_bl2: float,
 ) -> list[Blob]:
     """Blobs inside the pool, strongest first, found on a thinned picture and outlined there.
 
@@ -78,7 +81,7 @@ def find_blobs(
     ]
 
 
-def pool_mask(shape: tuple[int, ...], corners: Float) -> Image:
+def pool_mask(shape: tuple[int, ...], corners: Float) -> LumaPicture:
     """1 in the pool and a little around it, else 0."""
     mask = np.zeros(shape[:2], np.uint8)
     middle = corners.mean(axis=0)
@@ -88,7 +91,10 @@ def pool_mask(shape: tuple[int, ...], corners: Float) -> Image:
 
 
 def _blob_of_contour(
-    contour: npt.NDArray[np.int32], pictures: tuple[Image, Image], plane: Plane, step: int
+    contour: npt.NDArray[np.int32],
+    pictures: tuple[LumaPicture, LumaPicture],
+    plane: SwimmingPlaneMap,
+    step: int,
 ) -> Blob | None:
     """Blob of a contour, outlined again at half of its own contrast."""
     x, y, w, h = _box_with_margin(cv2.boundingRect(contour), pictures[0].shape)
@@ -136,7 +142,7 @@ def _signed_contrast(change: npt.NDArray[np.int16]) -> float:
     return sign * float(np.percentile(sign * change, 80))
 
 
-def candidate_poses(blob: Blob, template: Template, head_angle_rad: float) -> list[Float]:
+def candidate_poses(blob: Blob, template: OutlineTemplate, head_angle_rad: float) -> list[Float]:
     """Poses (4,) that lay the template over a blob: both ways round, bent as stated or straight."""
     centre, axis = _centre_and_long_axis(blob.outline_bl)
     found = []

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Float, Frame
-from .background import Image
-from .plane import Plane
+from .background import LumaPicture
+from .plane import SwimmingPlaneMap
 
 PATCH_HALF_SIZE_SHARE, MAX_SHIFT_SHARE = 0.1, 0.05
 """Half a patch and the farthest shift, as shares of the pool's shorter side."""
@@ -22,7 +22,7 @@ AGREEMENT_TOLERANCE_PX, AGREEMENT_TOLERANCE_SHARE = 0.5, 0.15
 MIN_CORRELATION = 0.25
 
 
-def corner_shifts(samples: Sequence[Frame], plane: Plane) -> Float:
+def corner_shifts(samples: Sequence[Frame], plane: SwimmingPlaneMap) -> Float:
     """Shift (samples, corners, 2) px of each pool corner against the first sample; NaN unseen.
 
     Correlation of the edges in a patch about each corner, looked for around where it was; only a
@@ -65,7 +65,7 @@ def _parabola_vertex(three: npt.NDArray[np.float32]) -> float:
 
 
 def _edge_strength_patch(
-    luma: Image, corner: Float, plane: Plane
+    luma: LumaPicture, corner: Float, plane: SwimmingPlaneMap
 ) -> npt.NDArray[np.float32] | None:
     """Strength of the edges about a corner; None where it reaches out of the picture."""
     half = int(PATCH_HALF_SIZE_SHARE * plane.side_px)
@@ -77,11 +77,11 @@ def _edge_strength_patch(
     return cv2.Laplacian(cv2.GaussianBlur(cut, (0, 0), BLUR_STD_PX), cv2.CV_32F)
 
 
-def camera_remarks(samples: Sequence[Frame], plane: Plane) -> tuple[str, ...]:
+def camera_remarks(samples: Sequence[Frame], plane: SwimmingPlaneMap) -> tuple[str, ...]:
     """A remark where the corners moved together: a camera knocked, or a picture that drifts."""
     if len(samples) < 2:
         return ()
-    moved = common_motion(corner_shifts(samples, plane), plane.corners_px)
+    moved = corner_shifts_of_camera_motion(corner_shifts(samples, plane), plane.corners_px)
     known = np.flatnonzero(np.isfinite(moved).all(axis=(1, 2)))
     if len(known) < 2:
         return ()
@@ -99,7 +99,7 @@ def camera_remarks(samples: Sequence[Frame], plane: Plane) -> tuple[str, ...]:
     return (f"{what} (seen at the pool's corners): the positions do not share one calibration",)
 
 
-def common_motion(moved: Float, corners_px: Float) -> Float:
+def corner_shifts_of_camera_motion(moved: Float, corners_px: Float) -> Float:
     """Shift (samples, corners, 2) px of each corner by the picture's common turn, scale and shift.
 
     NaN for a sample in which the corners do not agree on one (light that moves, a hand), or in

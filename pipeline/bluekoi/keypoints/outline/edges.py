@@ -16,15 +16,15 @@ import numpy.typing as npt
 from ...data import Float
 from ...vector_width import njit
 
-Image = npt.NDArray[np.uint8]
-LumaAndBackground = tuple[Image, Image]
+LumaPicture = npt.NDArray[np.uint8]
+LumaAndBackground = tuple[LumaPicture, LumaPicture]
 
 MIN_CONTRAST_GREY_LEVELS = 12.0
 EDGE_WINDOW_HALF_WIDTH_PX = 3
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def interpolate_bilinear(image: Image, u: float, v: float) -> float:
+def interpolate_bilinear(image: LumaPicture, u: float, v: float) -> float:
     """Bilinear value of a picture; the caller makes sure that it lies inside."""
     x, y = int(u), int(v)
     fx, fy = u - x, v - y
@@ -34,7 +34,7 @@ def interpolate_bilinear(image: Image, u: float, v: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def interpolate_where(image: Image, places: Float, wanted: npt.NDArray[np.bool_]) -> Float:
+def interpolate_where(image: LumaPicture, places: Float, wanted: npt.NDArray[np.bool_]) -> Float:
     """Values (n,) of a picture at places (n, 2) px; NaN where not wanted."""
     values = np.full(len(places), math.nan)
     for i in range(len(places)):

@@ -13,17 +13,19 @@ import numpy as np
 import numpy.typing as npt
 
 from ...vector_width import njit
-from .background import ROWS_PER_STRIP, Image, without_static_robot
+from .background import ROWS_PER_STRIP, LumaPicture, without_static_robot
 from .learning import LearnedTemplate
-from .template import Template
-from .tracking import Fit, Scene
+from .template import OutlineTemplate
+from .tracking import DetectionScene, OutlineFit
 
 ROBOT_MARGIN_BL = 0.036
 TAIL_MASK_LENGTH_RATIO = 1.15
 Region = tuple[slice, slice]
 
 
-def robot_mask(one: Fit, scene: Scene, template: Template) -> tuple[Region, Image]:
+def robot_mask(
+    one: OutlineFit, scene: DetectionScene, template: OutlineTemplate
+) -> tuple[Region, LumaPicture]:
     """Where in the picture the robot, its tail's reach and a margin lie, and their mask there."""
     x, y, heading, bend = one.pose
     turn = np.exp(1j * heading)
@@ -50,7 +52,7 @@ def robot_mask(one: Fit, scene: Scene, template: Template) -> tuple[Region, Imag
     return (slice(int(low[1]), int(high[1])), slice(int(low[0]), int(high[0]))), mask
 
 
-def background_without_robot(outline: LearnedTemplate, scene: Scene) -> Image | None:
+def background_without_robot(outline: LearnedTemplate, scene: DetectionScene) -> LumaPicture | None:
     """Background free of the robot; None where its places do not overlap and the median is right.
 
     Only the frames that the outline was learned from count. Where the robot never left, the
@@ -105,7 +107,9 @@ def _row_strips(cut: Region) -> Iterator[Region]:
         yield slice(y, min(y + ROWS_PER_STRIP, rows.stop)), columns
 
 
-def _masks_in_strip(masks: Sequence[tuple[Region, Image]], strip: Region) -> npt.NDArray[np.uint8]:
+def _masks_in_strip(
+    masks: Sequence[tuple[Region, LumaPicture]], strip: Region
+) -> npt.NDArray[np.uint8]:
     """Each mask's part in a strip that is as wide as all of them, (masks, rows, columns)."""
     rows, columns = strip
     layers = np.zeros((len(masks), rows.stop - rows.start, columns.stop - columns.start), np.uint8)
@@ -119,7 +123,7 @@ def _masks_in_strip(masks: Sequence[tuple[Region, Image]], strip: Region) -> npt
 
 @njit(cache=True)
 def _write_unhidden_median(
-    stack: npt.NDArray[np.uint8], hidden: npt.NDArray[np.uint8], floor: Image
+    stack: npt.NDArray[np.uint8], hidden: npt.NDArray[np.uint8], floor: LumaPicture
 ) -> None:
     """Write to `floor` the median of the frames in which a pixel is not hidden, if it is in one."""
     count, height, width = stack.shape

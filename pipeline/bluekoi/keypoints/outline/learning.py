@@ -12,8 +12,8 @@ from ...data import Float, Frame
 from ...study import Robot, Trial
 from .blob_detection import Blob, candidate_poses, find_blobs
 from .stations import measure_stations, without_biased_stations
-from .template import Template, initial_template, robot_length_bl, with_learned_stations
-from .tracking import Fit, Scene, fit_frame, is_plausible_blob, search_ranges_px
+from .template import OutlineTemplate, initial_template, robot_length_bl, with_learned_stations
+from .tracking import DetectionScene, OutlineFit, fit_frame, is_plausible_blob, search_ranges_px
 
 SEARCH_LENGTHS_BL = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
 AREA_PER_LENGTH_SQUARED = 0.16
@@ -29,8 +29,8 @@ class LearnedTemplate:
     blobs: what differs from the background in each of these frames.
     """
 
-    template: Template
-    samples: tuple[tuple[Frame, Fit], ...]
+    template: OutlineTemplate
+    samples: tuple[tuple[Frame, OutlineFit], ...]
     support: float
     blobs: tuple[Sequence[Blob], ...] = ()
 
@@ -46,7 +46,7 @@ class LearnedTemplate:
 
 
 def learn_template(
-    samples: Sequence[Frame], scene: Scene, robot: Robot, trial: Trial
+    samples: Sequence[Frame], scene: DetectionScene, robot: Robot, trial: Trial
 ) -> LearnedTemplate | None:
     """Template learned from the samples in which a robot-like blob is found; None without any.
 
@@ -83,13 +83,13 @@ def learn_template(
     return replace(outline, blobs=tuple(at[f.time_s] for f, _ in outline.samples))
 
 
-def generic_template(template: Template, robot: Robot, trial: Trial) -> Template:
+def generic_template(template: OutlineTemplate, robot: Robot, trial: Trial) -> OutlineTemplate:
     """Generic template of a learned one's width and grey level, its core as learned."""
     generic = initial_template(robot, trial, float(template.half.max()), template.skin)
     return replace(generic, half=template.half, core_skin=template.core_skin)
 
 
-def _above_median_support(fits: list[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
+def _above_median_support(fits: list[tuple[Frame, OutlineFit]]) -> list[tuple[Frame, OutlineFit]]:
     """Fits of no less than the median support: where two shapes compete, one of them."""
     support = [min(one.support[:2]) for _, one in fits]
     least = float(np.median(support))
@@ -97,7 +97,7 @@ def _above_median_support(fits: list[tuple[Frame, Fit]]) -> list[tuple[Frame, Fi
 
 
 def _refine_template(
-    starts: list[tuple[Frame, Fit]], scene: Scene, template: Template
+    starts: list[tuple[Frame, OutlineFit]], scene: DetectionScene, template: OutlineTemplate
 ) -> LearnedTemplate:
     """LearnedTemplate of fits that start where the robot roughly is."""
     fits = starts
@@ -136,7 +136,7 @@ def _refine_template(
     return LearnedTemplate(template, pairs, float(np.median([one.support[2] for one in last])))
 
 
-def _near_best_support(fits: Sequence[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
+def _near_best_support(fits: Sequence[tuple[Frame, OutlineFit]]) -> list[tuple[Frame, OutlineFit]]:
     """Fits not much worse than the best: a hand's blob must not enter the robot's shape."""
     best = max(one.support[2] for _, one in fits)
     return [(frame, one) for frame, one in fits if one.support[2] > best - 0.3]
@@ -144,7 +144,7 @@ def _near_best_support(fits: Sequence[tuple[Frame, Fit]]) -> list[tuple[Frame, F
 
 def _template_from_blobs(
     seen: Sequence[tuple[Frame, list[Blob]]], robot: Robot, trial: Trial
-) -> Template | None:
+) -> OutlineTemplate | None:
     """Generic template of the width of the blobs that could be the robot by length and area."""
     length = robot_length_bl(robot, trial)
     sides = [_strongest_blobs(seen, length, sign) for sign in (1.0, -1.0)]
@@ -191,8 +191,12 @@ def _longest_extent_bl(blob: Blob) -> float:
 
 
 def _best_start_fit(
-    frame: Frame, found: list[Blob], scene: Scene, template: Template, slides_bl: Sequence[float]
-) -> Fit | None:
+    frame: Frame,
+    found: list[Blob],
+    scene: DetectionScene,
+    template: OutlineTemplate,
+    slides_bl: Sequence[float],
+) -> OutlineFit | None:
     """Best coarse fit of the generic template to any likely blob of a frame.
 
     Begun at the blob's poses, each moved along its heading by `slides_bl`: a part of a body lies
@@ -218,7 +222,9 @@ def _best_start_fit(
     return max(tried, key=lambda one: one.nearness, default=None)
 
 
-def _common_head_angle_rad(fits: Sequence[tuple[Frame, Fit]], scene: Scene) -> float:
+def _common_head_angle_rad(
+    fits: Sequence[tuple[Frame, OutlineFit]], scene: DetectionScene
+) -> float:
     """Head angle of all frames: the servo holds it, so that no single frame may bend the head."""
     bend = float(np.median([one.pose[3] for _, one in fits]))
     return bend if abs(bend - scene.head_angle_rad) < MIN_BEND_RAD else scene.head_angle_rad

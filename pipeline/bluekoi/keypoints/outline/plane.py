@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from ...data import Float
-from ...study import Camera, Robot, Setup
+from ...study import Camera, Robot, StudySettings
 from ...vector_width import njit
 
 POLYNOMIAL_DEGREES = (5, 7, 9, 11)
@@ -24,7 +24,7 @@ GRID_POINTS_PER_SIDE = 17
 
 
 @dataclass(frozen=True)
-class Plane:
+class SwimmingPlaneMap:
     """Polynomials both ways: coefficients (2, degree + 1, degree + 1) of scaled coordinates.
 
     scale_bl, scale_px: centre and half extent (2, 2) of the plane's and the picture's coordinates.
@@ -62,7 +62,7 @@ def in_body_lengths(robot: Robot, length_m: float) -> float:
     return round(length_m / robot.body_length_m, 12)
 
 
-def swimming_plane(setup: Setup) -> Plane:
+def swimming_plane(setup: StudySettings) -> SwimmingPlaneMap:
     """Plane at the keypoints' depth from lens and pool corners; at the marks without a lens."""
     sides = np.array([in_body_lengths(setup.robot, side)
                       for side in (setup.pool.length_m, setup.pool.width_m)])  # fmt: skip
@@ -81,7 +81,7 @@ def swimming_plane(setup: Setup) -> Plane:
             break
     step = 0.02 * sides[0]
     ends = evaluate_polynomial(to_px, scale_bl, 0.5 * sides + np.array([[0.0, 0.0], [step, 0.0]]))
-    return Plane(
+    return SwimmingPlaneMap(
         to_px=to_px,
         to_bl=_fit_polynomial(uv, xy, scale_px, degree),
         scale_bl=scale_bl,
@@ -141,7 +141,7 @@ def evaluate_polynomial(coefficients: Float, scale: Float, points: Float) -> Flo
     return out
 
 
-def _project_to_pixels(setup: Setup, sides: Float, xy: Float) -> Float:
+def _project_to_pixels(setup: StudySettings, sides: Float, xy: Float) -> Float:
     """Pixels of points (n, 2) [body lengths] at the keypoints' depth; sides (2,) of the pool."""
     camera = setup.camera
     corners = np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) * sides

@@ -19,7 +19,7 @@ CONVERGED_RAD = 0.001
 
 
 @njit(cache=True, error_model="numpy")
-def jacobian(coefficients: Float, scale: Float, px: float, py: float) -> Float:
+def plane_to_pixel_jacobian(coefficients: Float, scale: Float, px: float, py: float) -> Float:
     """d(u, v)/d(x, y), px per body length, at a point in the plane."""
     e = 0.03
     out = np.empty((2, 2))
@@ -54,7 +54,7 @@ def measure_edge_offsets(
     n = len(points)
     offset = np.empty(n)
     slope = np.zeros((n, 5))
-    local = jacobian(maps[0], maps[1], pose[0], pose[1])
+    local = plane_to_pixel_jacobian(maps[0], maps[1], pose[0], pose[1])
     det = local[0, 0] * local[1, 1] - local[0, 1] * local[1, 0]
     lines = np.empty((2, 2 * reach + 1))
     for i in range(n):
@@ -89,7 +89,7 @@ def robust_std_px(offset: Float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def fit_pose(
+def fit_outline_pose(
     pictures: LumaAndBackground,
     maps: tuple[Float, Float],
     shape: OutlineArrays,
@@ -142,8 +142,8 @@ def information_and_edge_support(
 ) -> tuple[Float, Float]:
     """Information (5, 5) in body axes; support of head, core, all; nearness.
 
-    found: offsets, weights, slopes as `fit_pose` returns them. limits: offsets below the first [px]
-    support the template; nearness falls to 0 at the second [px].
+    found: offsets, weights, slopes as `fit_outline_pose` returns them. limits: offsets below the
+    first [px] support the template; nearness falls to 0 at the second [px].
     """
     offset, weight, slope = found
     c, s = math.cos(heading), math.sin(heading)

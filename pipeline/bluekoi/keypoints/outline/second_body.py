@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from .background import Image
+from .background import LumaPicture
 from .blob_detection import Blob
 from .learning import LearnedTemplate
-from .template import Template
-from .tracking import Fit, Scene, best_fit_of_blobs
+from .template import OutlineTemplate
+from .tracking import DetectionScene, OutlineFit, best_fit_of_blobs
 
 MIN_FRAMES = 2
 
 
-def second_body_remark(outline: LearnedTemplate, scene: Scene) -> tuple[str, ...]:
+def second_body_remark(outline: LearnedTemplate, scene: DetectionScene) -> tuple[str, ...]:
     """A remark where some pictures that the outline was learned from show it at a second place."""
     pictures = zip(outline.samples, outline.blobs, strict=True)
     found = [
@@ -32,14 +32,18 @@ def second_body_remark(outline: LearnedTemplate, scene: Scene) -> tuple[str, ...
 
 
 def _fit_second_body(
-    luma: Image, seen: Sequence[Blob], scene: Scene, template: Template, one: Fit
-) -> Fit | None:
+    luma: LumaPicture,
+    seen: Sequence[Blob],
+    scene: DetectionScene,
+    template: OutlineTemplate,
+    one: OutlineFit,
+) -> OutlineFit | None:
     """A good fit to a blob that lies a body's length from the robot."""
     apart = template.head_bl + template.core_bl
     others = [blob for blob in seen if _distance_bl(blob, one) > apart]
     return best_fit_of_blobs(others, luma, scene, template, template.shape())
 
 
-def _distance_bl(blob: Blob, one: Fit) -> float:
+def _distance_bl(blob: Blob, one: OutlineFit) -> float:
     x, y = blob.outline_bl.mean(axis=0) - one.pose[:2]
     return math.hypot(x, y)

@@ -10,8 +10,8 @@ import numpy as np
 from ...data import Float, Frame
 from .edges import interpolate_where
 from .pose_fit import OutlineArrays, measure_edge_offsets
-from .template import CORE_STATIONS, HEAD_STATIONS, Template, nan_median, station_contrast
-from .tracking import Fit, Scene
+from .template import CORE_STATIONS, HEAD_STATIONS, OutlineTemplate, nan_median, station_contrast
+from .tracking import DetectionScene, OutlineFit
 
 INSIDE_DEPTHS_PX = (2.5, 4.5)
 MAX_SMEARING_SHARE = 0.04
@@ -20,7 +20,10 @@ MIN_BIAS_PX, MIN_BIAS_RATIO, MAX_BIASED_SHARE = 0.15, 6.0, 0.15
 
 
 def measure_stations(
-    fits: Sequence[tuple[Frame, Fit]], scene: Scene, template: Template, reach: int
+    fits: Sequence[tuple[Frame, OutlineFit]],
+    scene: DetectionScene,
+    template: OutlineTemplate,
+    reach: int,
 ) -> tuple[Float, Float]:
     """Offsets [body lengths] and grey levels inside (frames, stations), NaN where not seen."""
     visible = template.visible_stations()
@@ -54,7 +57,7 @@ def _body_grey_levels(greys: Float, floor: float) -> Float:
 
 
 def _grey_levels_inside_edge(
-    frame: Frame, scene: Scene, shape: OutlineArrays, at: tuple[Float, Float]
+    frame: Frame, scene: DetectionScene, shape: OutlineArrays, at: tuple[Float, Float]
 ) -> Float:
     """Grey levels (depths, n) inside the edge found at each point, NaN where none was found.
 
@@ -73,7 +76,7 @@ def _grey_levels_inside_edge(
     return interpolate_where(frame.luma, uv, ok).reshape(len(INSIDE_DEPTHS_PX), -1)
 
 
-def without_biased_stations(template: Template, offsets_px: Float) -> Template:
+def without_biased_stations(template: OutlineTemplate, offsets_px: Float) -> OutlineTemplate:
     """The template without the stations whose edge stays off the outline that was learned.
 
     A pale or dark mark close inside the outline does that, on one spot and in every frame.

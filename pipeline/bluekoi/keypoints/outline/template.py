@@ -25,7 +25,7 @@ CORE_END_SHARE = 0.03
 
 
 @dataclass(frozen=True)
-class Template:
+class OutlineTemplate:
     """Outline in body lengths (nose to caudal base with the standard head).
 
     angles, radii: (HEAD_STATIONS,) polar outline of the head about (HEAD_ORIGIN_SHARE head_bl, 0),
@@ -121,14 +121,16 @@ def robot_length_bl(robot: Robot, trial: Trial) -> float:
     return in_body_lengths(robot, robot.body_length_m + trial.head_length_m - robot.head_length_m)
 
 
-def initial_template(robot: Robot, trial: Trial, half_width_bl: float, skin: float) -> Template:
+def initial_template(
+    robot: Robot, trial: Trial, half_width_bl: float, skin: float
+) -> OutlineTemplate:
     """Template of the robot's lengths and one half-width: an egg and a taper, to begin with."""
     head_bl = in_body_lengths(robot, trial.head_length_m)
     core_bl = robot_length_bl(robot, trial) - head_bl
     angles = np.linspace(0.0, 0.80 * np.pi, HEAD_STATIONS)
     share = np.linspace(0.0, 1.0 - CORE_END_SHARE, CORE_STATIONS)
     end = 0.25 * half_width_bl
-    return Template(
+    return OutlineTemplate(
         head_bl=head_bl,
         core_bl=core_bl,
         com_bl=in_body_lengths(robot, robot.hinge_to_com_m),
@@ -153,8 +155,8 @@ def _blunt_head_radii(angles: Float, head_bl: float, half_bl: float) -> Float:
 
 
 def with_learned_stations(
-    template: Template, offsets_bl: Float, skins: Float, share: float = 1.0
-) -> Template:
+    template: OutlineTemplate, offsets_bl: Float, skins: Float, share: float = 1.0
+) -> OutlineTemplate:
     """Template whose stations moved by the median offset seen over frames and both sides.
 
     offsets_bl: (frames, stations of both parts and sides), NaN where not seen. skins: grey levels,
@@ -207,7 +209,7 @@ def _finite_or_previous(found: Float, before: Float) -> Float:
     return np.where(np.isfinite(found), found, before)
 
 
-def _radial_directions(template: Template) -> Float:
+def _radial_directions(template: OutlineTemplate) -> Float:
     return np.column_stack([np.cos(template.angles), np.sin(template.angles)])
 
 
@@ -226,7 +228,7 @@ def _binomial_smoothed(values: Float) -> Float:
     return 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
 
 
-def _move_nose_to_head_length(template: Template, radii: Float) -> Float:
+def _move_nose_to_head_length(template: OutlineTemplate, radii: Float) -> Float:
     """Radii of the same outline moved along the axis so that the nose is at the head's length."""
     shift = template.head_bl * (1 - HEAD_ORIGIN_SHARE) - radii[0]
     x = radii * np.cos(template.angles) + shift

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from ...data import PARTS, Float, Keypoints
-from .template import Template
-from .tracking import Fit, Scene
+from ...data import BODY_PART_NAMES, Float, Keypoints
+from .template import OutlineTemplate
+from .tracking import DetectionScene, OutlineFit
 from .variance import mean_covariance
 
 FULL_SUPPORT, MIN_SUPPORT = 0.80, 0.35
@@ -28,9 +28,9 @@ times that length; by the width beyond the usual one. Measured against rendered 
 
 def keypoints_from_fits(
     times: Sequence[float],
-    fits: Sequence[Fit | None],
-    scene: Scene,
-    template: Template,
+    fits: Sequence[OutlineFit | None],
+    scene: DetectionScene,
+    template: OutlineTemplate,
     remarks: tuple[str, ...],
 ) -> Keypoints:
     """Keypoints of a recording; NaN with likelihood 0 where the robot was not found.
@@ -38,7 +38,7 @@ def keypoints_from_fits(
     Where the head fits badly in most frames its shape was not learned, and no point along the
     body is believed.
     """
-    n, p = len(times), len(PARTS)
+    n, p = len(times), len(BODY_PART_NAMES)
     xy, likelihood = np.full((n, p, 2), np.nan), np.zeros((n, p))
     cov = np.full((n, p, 2, 2), np.nan)
     where = [i for i, one in enumerate(fits) if one is not None]
@@ -47,18 +47,18 @@ def keypoints_from_fits(
         xy[where], cov[where] = _pixels_and_covariances(known, scene, template)
         bend = float(np.median([one.pose[3] for one in known]))
         poses = [one.pose if one else None for one in fits]
-        jumps = jump_factors(times, poses, MAX_JUMP_BL, MAX_JUMP_RAD)
+        jumps = likelihood_factors_at_jumps(times, poses, MAX_JUMP_BL, MAX_JUMP_RAD)
         head = float(np.median([one.support[0] for one in known]))
         known_shape = likelihood_of_support(head, HEAD_SUPPORT_RANGE)
         each = np.array([_keypoint_likelihoods(one, bend) for one in known])
         likelihood[where] = known_shape * jumps[where, None] * each
     likelihood[~np.isfinite(xy).all(axis=2)] = 0.0
     return Keypoints(
-        np.array(times), PARTS, xy, likelihood, cov, remarks, _seen_length_ratios(fits)
+        np.array(times), BODY_PART_NAMES, xy, likelihood, cov, remarks, _seen_length_ratios(fits)
     )
 
 
-def _seen_length_ratios(fits: Sequence[Fit | None]) -> Float:
+def _seen_length_ratios(fits: Sequence[OutlineFit | None]) -> Float:
     """Whole length (frames,) seen over stated, where the outline was found; else NaN.
 
     The tail's own support is not asked: it is less where the tail is shorter than stated.
@@ -67,7 +67,7 @@ def _seen_length_ratios(fits: Sequence[Fit | None]) -> Float:
                      for one in fits])  # fmt: skip
 
 
-def _median_nose_offset_px(fits: Sequence[Fit]) -> float:
+def _median_nose_offset_px(fits: Sequence[OutlineFit]) -> float:
     """Median distance [px] of the nose's edge ahead of the template's, over the whole recording.
 
     The template's nose is known from a few frames only; all of them place the outline better.
@@ -79,7 +79,7 @@ def _median_nose_offset_px(fits: Sequence[Fit]) -> float:
 
 
 def _pixels_and_covariances(
-    fits: Sequence[Fit], scene: Scene, template: Template
+    fits: Sequence[OutlineFit], scene: DetectionScene, template: OutlineTemplate
 ) -> tuple[Float, Float]:
     """Pixels (n, 5, 2) and covariances (n, 5, 2, 2) of fits."""
     pose = np.array([one.pose for one in fits])
@@ -105,14 +105,14 @@ def _pixels_and_covariances(
     )
 
 
-def _pixels_of_places(scene: Scene, places: npt.NDArray[np.complex128]) -> Float:
+def _pixels_of_places(scene: DetectionScene, places: npt.NDArray[np.complex128]) -> Float:
     """Pixels (..., 2) of places x + i y in the plane."""
     flat = np.column_stack([places.real.ravel(), places.imag.ravel()])
     return scene.plane.pixels(flat).reshape(*places.shape, 2)
 
 
 def _core_axes_jacobians(
-    scene: Scene, places: npt.NDArray[np.complex128], core: npt.NDArray[np.complex128]
+    scene: DetectionScene, places: npt.NDArray[np.complex128], core: npt.NDArray[np.complex128]
 ) -> Float:
     """d(u, v)/d(along, across) the core at places (n,), px per body length, (n, 2, 2)."""
     step = DERIVATIVE_STEP_BL * core[:, None] * np.array([1.0, 1j])
@@ -120,7 +120,7 @@ def _core_axes_jacobians(
     return ((ahead - behind) / (2 * DERIVATIVE_STEP_BL)).swapaxes(1, 2)
 
 
-def _pose_covariances(fits: Sequence[Fit]) -> Float:
+def _pose_covariances(fits: Sequence[OutlineFit]) -> Float:
     """Covariances (n, 4, 4): the usual one, wider where less of the outline was seen."""
     middle = np.median([one.information for one in fits], axis=0)
     known = [one.statistics for one in fits if one.statistics is not None]
@@ -130,7 +130,7 @@ def _pose_covariances(fits: Sequence[Fit]) -> Float:
     return (widened @ usual @ widened.swapaxes(1, 2))[:, :4, :4]
 
 
-def _tail_covariances(fits: Sequence[Fit], bases: Float, length_px: float) -> Float:
+def _tail_covariances(fits: Sequence[OutlineFit], bases: Float, length_px: float) -> Float:
     """Covariances (n, 2, 2) of the tail tip: the base's, and what the tail's own signs show.
 
     A tail that is pale towards its end moved during the exposure; one wider than it usually is
@@ -149,7 +149,7 @@ def _tail_covariances(fits: Sequence[Fit], bases: Float, length_px: float) -> Fl
     return bases + along[:, None, None] * outer[0] + across[:, None, None] * outer[1]
 
 
-def _keypoint_likelihoods(one: Fit, bend: float) -> Float:
+def _keypoint_likelihoods(one: OutlineFit, bend: float) -> Float:
     """Likelihood (5,) from how much of the outline about each part is where it should be.
 
     The core alone tapers, so that without the head it may have slid along itself.
@@ -169,7 +169,7 @@ def likelihood_of_support(
     return min(max((support - between[0]) / (between[1] - between[0]), 0.0), 1.0)
 
 
-def jump_factors(
+def likelihood_factors_at_jumps(
     times: Sequence[float], poses: Sequence[Float | None], max_move: float, max_turn: float
 ) -> Float:
     """Factor (frames,) that falls where a body jumps both to and from a frame.

@@ -10,17 +10,17 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Float, Frame
-from .background import Image
+from .background import LumaPicture
 from .blob_detection import Blob, candidate_poses, find_blobs
 from .edges import EDGE_WINDOW_HALF_WIDTH_PX
-from .plane import Plane
-from .pose_fit import OutlineArrays, fit_pose, information_and_edge_support
+from .plane import SwimmingPlaneMap
+from .pose_fit import OutlineArrays, fit_outline_pose, information_and_edge_support
 from .tail_detection import tail_length, trace_tail
-from .template import Template
+from .template import OutlineTemplate
 from .variance import FrameQuadraticForms, covariance_kernels, variance_statistics
 
 PRIOR_PRECISION = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
-MIN_SUPPORT = 0.55
+MIN_TRACKING_SUPPORT_SHARE = 0.55
 MAX_HEAD_ANGLE_CHANGE_RAD = 0.7
 STATISTICS_EVERY_FRAMES = 2
 NO_TAIL = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
@@ -30,11 +30,11 @@ SEARCH_LENGTHS_BL = (0.042, 0.024)
 
 
 @dataclass(frozen=True)
-class Scene:
+class DetectionScene:
     """What stays the same over a recording: background, plane, noise [grey levels], head angle."""
 
-    floor: Image
-    plane: Plane
+    floor: LumaPicture
+    plane: SwimmingPlaneMap
     noise: float
     head_angle_rad: float
 
@@ -45,7 +45,7 @@ class Scene:
 
 
 @dataclass(frozen=True)
-class Fit:
+class OutlineFit:
     """One frame's fit.
 
     pose: (4,) hinge x, y [body lengths], core heading, head angle [rad]. information: (5, 5) for
@@ -67,7 +67,7 @@ class Fit:
     length: float = math.nan
 
 
-def search_ranges_px(scene: Scene, *sizes_bl: float) -> npt.NDArray[np.int64]:
+def search_ranges_px(scene: DetectionScene, *sizes_bl: float) -> npt.NDArray[np.int64]:
     """Search lengths in px, at least what an edge needs."""
     px = [
         max(EDGE_WINDOW_HALF_WIDTH_PX + 2, round(size * scene.plane.px_per_bl)) for size in sizes_bl
@@ -75,21 +75,27 @@ def search_ranges_px(scene: Scene, *sizes_bl: float) -> npt.NDArray[np.int64]:
     return np.array([min(p, 40) for p in px], dtype=np.int64)
 
 
-def tolerance_px(scene: Scene) -> float:
+def tolerance_px(scene: DetectionScene) -> float:
     """How far from the template an edge may lie and still support it."""
     return max(1.0, 0.0073 * scene.plane.px_per_bl)
 
 
 def fit_frame(
-    frame: Image, scene: Scene, shape: OutlineArrays, start: Float, reach: npt.NDArray[np.int64], *,
-    width_px: float = 0.1, known: Float | None = None,
-) -> Fit:  # fmt: skip
+    frame: LumaPicture,
+    scene: DetectionScene,
+    shape: OutlineArrays,
+    start: Float,
+    reach: npt.NDArray[np.int64],
+    *,
+    width_px: float = 0.1,
+    known: Float | None = None,
+) -> OutlineFit:
     """The template fitted to a frame from a starting pose, without its tail.
 
     width_px: offsets far beyond this width are outliers; wide while the shape is not yet known.
     known: kernels (K, n, n) for the statistics of the fit's variance.
     """
-    pose, offset, weight, slope = fit_pose(
+    pose, offset, weight, slope = fit_outline_pose(
         (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR_PRECISION, width_px)
     )
     limits = (tolerance_px(scene), NEARNESS_RANGE_BL * scene.plane.px_per_bl)
@@ -102,20 +108,26 @@ def fit_frame(
     )
     pose[2] = start[2] + math.remainder(pose[2] - start[2], 2 * math.pi)
     head, core, both, nearness = share.tolist()
-    return Fit(pose, information, signs, (head, core, both), nearness, NO_TAIL, float(offset[0]))
+    return OutlineFit(
+        pose, information, signs, (head, core, both), nearness, NO_TAIL, float(offset[0])
+    )
 
 
 def redetect_robot(
-    frame: Image, scene: Scene, template: Template, shape: OutlineArrays
-) -> Fit | None:
+    frame: LumaPicture, scene: DetectionScene, template: OutlineTemplate, shape: OutlineArrays
+) -> OutlineFit | None:
     """The best fit to any blob of a frame, either way round; None where none is good enough."""
     seen = find_blobs((frame, scene.floor), scene.plane, scene.noise, template.area_bl2)
     return best_fit_of_blobs(seen, frame, scene, template, shape)
 
 
 def best_fit_of_blobs(
-    seen: Sequence[Blob], frame: Image, scene: Scene, template: Template, shape: OutlineArrays
-) -> Fit | None:
+    seen: Sequence[Blob],
+    frame: LumaPicture,
+    scene: DetectionScene,
+    template: OutlineTemplate,
+    shape: OutlineArrays,
+) -> OutlineFit | None:
     """The best fit to any of these blobs, either way round; None where none is good enough."""
     steps = search_ranges_px(scene, 0.066, 0.054, 0.042, 0.030, 0.024, 0.024)
     starts = [
@@ -129,26 +141,26 @@ def best_fit_of_blobs(
     return best if best is not None and is_good_fit(best, scene) else None
 
 
-def is_plausible_blob(blob: Blob, template: Template) -> bool:
+def is_plausible_blob(blob: Blob, template: OutlineTemplate) -> bool:
     """Whether a blob is of the robot's order of size and grey level."""
     if abs(blob.skin - template.skin) > 0.5 * abs(blob.contrast):
         return False
     return 0.35 * template.area_bl2 < blob.area_bl2 < 4.0 * template.area_bl2
 
 
-def is_good_fit(one: Fit, scene: Scene) -> bool:
+def is_good_fit(one: OutlineFit, scene: DetectionScene) -> bool:
     """Whether a fit is the robot: enough of the outline there, head and core both, pose sane."""
     bend = abs(math.remainder(one.pose[3] - scene.head_angle_rad, 2 * math.pi))
     return (
-        one.support[2] > MIN_SUPPORT
+        one.support[2] > MIN_TRACKING_SUPPORT_SHARE
         and min(one.support[:2]) > 0.35
         and bend < MAX_HEAD_ANGLE_CHANGE_RAD
     )
 
 
 def track_robot(
-    film: Iterable[Frame], scene: Scene, template: Template
-) -> tuple[list[float], list[Fit | None]]:
+    film: Iterable[Frame], scene: DetectionScene, template: OutlineTemplate
+) -> tuple[list[float], list[OutlineFit | None]]:
     """Times and fits of all frames; None where the robot was not found."""
     shape = template.shape()
     known = covariance_kernels(
@@ -156,7 +168,7 @@ def track_robot(
     )
     steps = search_ranges_px(scene, *SEARCH_LENGTHS_BL)
     times: list[float] = []
-    fits: list[Fit | None] = []
+    fits: list[OutlineFit | None] = []
     for frame in film:
         start = _extrapolated_pose(frame.time_s, times, fits)
         asked = None if len(times) % STATISTICS_EVERY_FRAMES else known
@@ -173,7 +185,7 @@ def track_robot(
 
 
 def _extrapolated_pose(
-    time_s: float, times: Sequence[float], fits: Sequence[Fit | None]
+    time_s: float, times: Sequence[float], fits: Sequence[OutlineFit | None]
 ) -> Float | None:
     """Pose expected at a time from the last two fits of the last frames; None without any."""
     first = max(0, len(fits) - LOST_AFTER_FRAMES)
@@ -187,7 +199,9 @@ def _extrapolated_pose(
     return last.pose + min(ahead, float(LOST_AFTER_FRAMES)) * (last.pose - before.pose)
 
 
-def with_tail(frame: Image, scene: Scene, template: Template, one: Fit) -> Fit:
+def with_tail(
+    frame: LumaPicture, scene: DetectionScene, template: OutlineTemplate, one: OutlineFit
+) -> OutlineFit:
     """The fit with its tail traced, and the whole body's length."""
     x, y, heading, _ = one.pose
     back = np.array([math.cos(heading), math.sin(heading)])

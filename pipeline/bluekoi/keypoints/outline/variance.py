@@ -133,10 +133,10 @@ def mean_covariance(frames: Sequence[FrameQuadraticForms]) -> Float:
         np.mean([getattr(one, name) for one in kept], axis=0)
         for name in ("forms", "expected", "spread")
     )
-    return np.tensordot(variance_components(forms, expected), spread, axes=1)
+    return np.tensordot(kernel_variance_components(forms, expected), spread, axes=1)
 
 
-def variance_components(forms: Float, expected: Float) -> Float:
+def kernel_variance_components(forms: Float, expected: Float) -> Float:
     """The s_k (K,) px^2, none negative, whose expected forms come nearest to the forms found."""
     scale = np.diag(expected)
     target, matrix = forms / scale, expected / scale[:, None]

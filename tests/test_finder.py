@@ -638,8 +638,8 @@ def test_a_frame_that_was_hardly_seen_is_no_error_of_the_path(
 def test_turns_to_one_side_cannot_name_a_difference_between_the_sides(
     demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
-    """On such trials any other law of the head does the same: of seven studies of a generator that
-    the finder had not seen, four were given a port-starboard asymmetry that was not there.
+    """On such trials any other law of the head does the same: in three of seven such studies of a
+    generator that the finder had not seen, an asymmetry was named that was not there.
     """
     m, found = demo
     one_side = [s for s in m.series if np.median(s.inputs[:, 0]) > -0.02]

@@ -12,8 +12,8 @@ from bluekoi.engine.evidence import log_evidence, log_evidence_with_shares, most
 from bluekoi.engine.expansion import LikelihoodExpansion
 from bluekoi.engine.forces import rms_force_by_cause
 from bluekoi.engine.set_columns import (
-    DISCREPANCY_SHARES,
     MAX_DISCREPANCY_SHARE,
+    PRIOR_DISCREPANCY_SHARES,
     CauseSetColumns,
     columns_of_cause_set,
     with_shares,
@@ -92,7 +92,7 @@ def test_the_evidence_is_the_mean_over_the_shares_that_a_formula_may_be_wrong_by
 ) -> None:
     expansion, lay = friction_columns
     single = [log_evidence_with_shares(expansion, lay, {"coulomb_friction": share})
-              for share in DISCREPANCY_SHARES]  # fmt: skip
+              for share in PRIOR_DISCREPANCY_SHARES]  # fmt: skip
     mean = np.log(np.mean(np.exp(np.array(single) - max(single)))) + max(single)
     assert log_evidence(expansion, lay) == pytest.approx(mean)
 
@@ -105,7 +105,7 @@ def test_an_exact_formula_is_not_charged_for_forces_that_it_does_not_leave(
     """
     expansion, lay = friction_columns
     none = log_evidence_with_shares(expansion, lay, {"coulomb_friction": 1e-6})
-    assert log_evidence(expansion, lay) > none - np.log(len(DISCREPANCY_SHARES)) - 0.5
+    assert log_evidence(expansion, lay) > none - np.log(len(PRIOR_DISCREPANCY_SHARES)) - 0.5
 
 
 def test_a_large_remainder_makes_the_largest_share_most_probable(
@@ -120,7 +120,7 @@ def test_a_large_remainder_makes_the_largest_share_most_probable(
     hessian[0, column, column] += (30 / size) ** 2
     gradient[0, column] += 30**2 / size
     pushed = replace(expansion, hessian=hessian, gradient=gradient)
-    assert most_probable_shares(pushed, lay) == {"coulomb_friction": max(DISCREPANCY_SHARES)}
+    assert most_probable_shares(pushed, lay) == {"coulomb_friction": max(PRIOR_DISCREPANCY_SHARES)}
 
 
 def test_a_term_of_two_causes_may_be_as_strong_as_the_larger_share_of_them() -> None:

@@ -33,7 +33,7 @@ from bluekoi.explain.checks import refuse_invalid_model
 from bluekoi.explain.results_json import verdict_sentence
 from bluekoi.explain.sampling import averaged_to_rate
 from bluekoi.explain.system_assembly import assemble_system
-from bluekoi.explain.trials import series_of, validated_trials
+from bluekoi.explain.trials import as_trial_series, validated_trials
 from bluekoi.integrate import compile_system
 from bluekoi.integrate.batch import simulate_batch
 
@@ -149,7 +149,7 @@ def test_a_set_that_was_asked_for_is_compared(cart_explanation):
 
 def test_a_known_start_is_where_a_trial_begins(cart_model):
     trial = replace(simulated_runs()[0], start={"v": 2.5})
-    one = series_of(cart_model, assemble_system(cart_model), trial, {})
+    one = as_trial_series(cart_model, assemble_system(cart_model), trial, {})
     assert one.mean[1] == 2.5
     with pytest.raises(InputError, match="start: found 'w'"):
         validated_trials(cart_model, [replace(trial, start={"w": 1.0})])
@@ -196,7 +196,7 @@ def test_only_the_asked_causes_are_tried(cart_model):
 def free_simulation(model: Model, trial: Trial) -> np.ndarray:
     assembly = assemble_system(model)
     kernel = compile_system(assembly.system)
-    one = series_of(model, assembly, trial, {})
+    one = as_trial_series(model, assembly, trial, {})
     lanes = [np.repeat(np.asarray(a, float)[None, :, None], 16, axis=2)
              for a in (one.mean, assembly.system.values({"c": 0.4}), one.constants)]  # fmt: skip
     lanes[0][:, :2] = 0.0
@@ -216,7 +216,7 @@ def test_a_lower_rate_keeps_curvature_and_impulse(cart_model):
     times = 0.001 * np.arange(4000)
     trial = Trial("t", times, {"position": times**2}, {"push": np.sin(3 * times)})
     assembly = assemble_system(cart_model)
-    few = averaged_to_rate(series_of(cart_model, assembly, trial, {}), 50.0, [False])
+    few = averaged_to_rate(as_trial_series(cart_model, assembly, trial, {}), 50.0, [False])
     assert len(few.times) == 200
     np.testing.assert_allclose(few.seen[:, 0], few.times**2, atol=1e-9)
     before, after = (

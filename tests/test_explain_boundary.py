@@ -234,7 +234,7 @@ BOUNDS_CHECKED = """
 import numpy as np
 from bluekoi.explain import load_model
 from bluekoi.explain.system_assembly import assemble_system
-from bluekoi.explain.trials import series_of
+from bluekoi.explain.trials import as_trial_series
 from bluekoi.fitting import filter_series, free_runs
 from bluekoi.explain.preparation import initial_noise
 from bluekoi.integrate import compile_system
@@ -249,7 +249,7 @@ series = []
 for n in (4, 7, 33):
     t = 0.05 * np.arange(n)
     trial = Trial(str(n), t, {{"position": np.where(np.arange(n) % 3, t, np.nan)}}, {{"push": t}})
-    series.append(series_of(model, assembly, trial, {{}}))
+    series.append(as_trial_series(model, assembly, trial, {{}}))
 values = [assembly.system.values({{}})] * len(series)
 noise = initial_noise(kernel, series, values[0])
 for one, value in zip(series, values):

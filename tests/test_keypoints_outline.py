@@ -23,7 +23,7 @@ from bluekoi.keypoints.outline.edges import edge_offset
 from bluekoi.keypoints.outline.ghost_removal import _write_unhidden_median
 from bluekoi.keypoints.outline.plane import swimming_plane
 from bluekoi.keypoints.outline.tail_detection import tail_length
-from bluekoi.keypoints.outline.template import initial_template, nan_median, with_learned_stations
+from bluekoi.keypoints.outline.template import initial_template, nan_median, with_learned_outline
 from bluekoi.synthetic.conditions import CONDITIONS_BY_NAME
 from bluekoi.synthetic.design import filming_conditions_design
 from bluekoi.synthetic.optics import gopro_like_camera
@@ -153,7 +153,7 @@ def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length(
     visible = start.visible_stations()
     shift = np.full((4, len(visible)), np.nan)
     shift[:, visible] = 0.006
-    wider = with_learned_stations(start, shift, np.full(shift.shape, 70.0))
+    wider = with_learned_outline(start, shift, np.full(shift.shape, 70.0))
     assert np.allclose(wider.half[5:-5], start.half[5:-5] + 0.006, atol=1.2e-3)
     assert wider.radii[0] == pytest.approx(start.radii[0], abs=1e-9)
     points, normals, part, skin = wider.shape()

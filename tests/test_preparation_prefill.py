@@ -13,7 +13,7 @@ from bluekoi.preparation.prefill import (
     trial_rows,
     trials_csv,
 )
-from bluekoi.study.study_yaml import read_setup
+from bluekoi.study.study_yaml import read_study_settings
 from bluekoi.study.trials_csv import read_trials
 
 MOTOR_LOG = "time_s,angle_deg\n0,0\n0.005,3\n"
@@ -96,7 +96,7 @@ def test_the_blank_study_lacks_only_what_must_be_measured(tmp_path):
     path = tmp_path / "study.yaml"
     path.write_text(blank_study_yaml(), encoding="utf-8")
     findings = []
-    assert read_setup(path, findings) is None
+    assert read_study_settings(path, findings) is None
     missing = {finding.where for finding in findings}
     assert missing >= {"pool.length_m", "robot.mass_kg", "camera.pool_corners_px"}
     assert not any("unknown" in finding.found for finding in findings)

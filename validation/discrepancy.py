@@ -1,4 +1,4 @@
-"""How much of a law a model with other functional forms leaves (`DISCREPANCY_SHARES`).
+"""How much of a law a model with other functional forms leaves (`PRIOR_DISCREPANCY_SHARES`).
 
 Each functional form of a cause is left out in turn. What the coefficients, the cause's strength and
 its remaining forms cannot represent of it, M v, is compared with residual terms of the state in the

@@ -174,7 +174,7 @@ def _calibration_result(
     if best.left_out:
         remarks.append(f"left out as gross outliers: {', '.join(best.left_out)}")
     if found.circle:
-        remarks.append(_image_circle_coverage(best, found.circle))
+        remarks.append(_image_circle_remark(best, found.circle))
     if covered < MIN_IMAGE_COVERAGE_SHARE:
         where = "image circle" if found.circle else "picture"
         remarks.append(
@@ -199,7 +199,7 @@ def _calibration_result(
     )
 
 
-def _image_circle_coverage(best: LensCandidate, circle: ImageCircle) -> str:
+def _image_circle_remark(best: LensCandidate, circle: ImageCircle) -> str:
     """The image circle, and how far out of it the corners of the boards lie."""
     points = np.concatenate([view.image_px for view in best.views])
     reach = float(np.max(np.hypot(*(points - circle.center_px).T))) / circle.radius_px

@@ -38,7 +38,8 @@ MAX_LENGTH_STD_SHARE = 0.006
 """Relative spread of the length over the frames; with more, the exposure was so long that the
 tail has no visible end.
 """
-MIN_SHARP_FRAMES = 10
+MIN_SHARP_FRAMES_PER_TRIAL = 10
+"""Frames in which both ends of the body must be seen sharply for a trial to measure its length."""
 
 
 def whole_lengths(
@@ -53,7 +54,7 @@ def whole_lengths(
     ends represents the body; a bent body is longer by a few hundredths.
 
     Raises: InputError where fewer than `MIN_SHARP_TRIALS` show both ends sharply in
-    `MIN_SHARP_FRAMES` frames.
+    `MIN_SHARP_FRAMES_PER_TRIAL` frames.
     """
     core_m = robot.hinge_to_com_m + robot.com_to_tail_base_m
     rest_m = core_m + robot.tail_length_m
@@ -69,7 +70,8 @@ def whole_lengths(
     if len(parts) < MIN_SHARP_TRIALS:
         raise input_error("keypoints",
                           "", f"{len(parts)} trials in which nose and tail's end are seen",
-                          f"{MIN_SHARP_TRIALS} with both in {MIN_SHARP_FRAMES} frames")  # fmt: skip
+                          f"{MIN_SHARP_TRIALS} with both in "
+                          f"{MIN_SHARP_FRAMES_PER_TRIAL} frames")  # fmt: skip
     return RigidDistances(**{name: np.concatenate([p[name] for p in parts]) for name in parts[0]})
 
 
@@ -93,7 +95,7 @@ def _whole_lengths_of_trial(
     body = [positions.names.index(name) for name in REQUIRED_CONFIDENT_PARTS]
     good = is_confident(positions.likelihood[frames][:, body]).all(axis=1)
     good &= np.isfinite(ratio) & np.isfinite(front).all(axis=1) & np.isfinite(back).all(axis=1)
-    if good.sum() < MIN_SHARP_FRAMES:
+    if good.sum() < MIN_SHARP_FRAMES_PER_TRIAL:
         return None
     std, near = robust_std_and_inliers(ratio, good)
     if std > MAX_LENGTH_STD_SHARE:

@@ -10,8 +10,8 @@ With w > 0, the sides differ less at small angles of attack. The part m of the m
 alpha differs between the sides in the same way. The yaw damping C_Md r |r| differs by the share n,
 and the drag C_Da (1 - cos 2 alpha) of the head by the share g.
 
-The effect vanishes at zero angle of attack without rotation. Turns to one side alone do not show
-it: there, every law of the head of another form does the same.
+The effect vanishes at zero angle of attack without rotation. If all turns go to one side, it cannot
+be recognised: other formulas for lift and drag of the head then change the motion in the same way.
 
 Source: own statement (asymmetric hull or head cap).
 """

@@ -3,7 +3,7 @@
 The numbers of a set are its coefficients b (flat prior, profiled), the strengths s_k of its causes,
 their functional forms f ~ N(leading form, spread^2), and a discrepancy d ~ N(0, tau^2): residual
 terms in the channels of one of its causes. tau is a share of the force of the cause
-(`set_columns.DISCREPANCY_SHARES`), over which m(S) is averaged. With gradient g and
+(`set_columns.PRIOR_DISCREPANCY_SHARES`), over which m(S) is averaged. With gradient g and
 information H of the likelihood, prior precision P, deviations x of f and d from the means of their
 priors, g_P = g - P x, n strengths, and G the Schur complement of H + P that is left when b is
 profiled,

@@ -1,8 +1,9 @@
 """Columns of an expansion that make up a set of causes, with the priors of their numbers.
 
 The discrepancy of a set consists of residual terms in the channels of its causes
-(`CauseSearchProblem.covers`). In each channel it is as strong as one of `DISCREPANCY_SHARES` of the
-cause's force (Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), 425).
+(`CauseSearchProblem.covers`). In each channel it is as strong as one of
+`PRIOR_DISCREPANCY_SHARES` of the cause's force (Kennedy and O'Hagan, J. R. Statist. Soc. B 63
+(2001), 425).
 """
 
 from __future__ import annotations
@@ -19,11 +20,11 @@ from .candidates import Candidate, form_precision, has_single_sign, parameter_de
 from .expansion import LikelihoodExpansion
 from .problem import CauseSearchProblem
 
-DISCREPANCY_SHARES = (0.02, 0.06, 0.2)
+PRIOR_DISCREPANCY_SHARES = (0.02, 0.06, 0.2)
 """Prior standard deviation of a cause's discrepancy relative to its force in each channel: values
 of equal prior probability. `python -m validation discrepancy` measures how far the forms of the
 causes differ from each other."""
-MAX_DISCREPANCY_SHARE = max(DISCREPANCY_SHARES)
+MAX_DISCREPANCY_SHARE = max(PRIOR_DISCREPANCY_SHARES)
 """The share with which sets are fitted."""
 MIN_INFORMATION = 1e-12
 """Below any information that trials have; keeps quotients of zeros finite."""
@@ -102,10 +103,10 @@ def columns_of_cause_set(
 
 
 def combinations_of_shares(lay: CauseSetColumns) -> list[dict[str, float]]:
-    """Cause -> share, for every combination of `DISCREPANCY_SHARES` of the causes."""
+    """Cause -> share, for every combination of `PRIOR_DISCREPANCY_SHARES` of the causes."""
     causes = list(lay.discrepancy)
     return [dict(zip(causes, shares, strict=True))
-            for shares in product(DISCREPANCY_SHARES, repeat=len(causes))]  # fmt: skip
+            for shares in product(PRIOR_DISCREPANCY_SHARES, repeat=len(causes))]  # fmt: skip
 
 
 def with_shares(lay: CauseSetColumns, shares: Mapping[str, float]) -> CauseSetColumns:

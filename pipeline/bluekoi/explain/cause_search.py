@@ -51,7 +51,7 @@ from .numbers import FittedNumber, at_bound_sentences, fitted_numbers, undetermi
 from .preparation import PreparedCauseSearch, prepare_cause_search, step_error_and_warning
 from .recording_warnings import unusual_recording_warnings
 from .sampling import averaged_to_rate
-from .trials import HELD_OUT_ROLE, Trial, cut_at_gaps, series_of, validated_trials
+from .trials import HELD_OUT_ROLE, Trial, as_trial_series, cut_at_gaps, validated_trials
 
 MAX_RANDOM_FORCE_SHARE = 0.5
 """Random force with the named causes over that without, above which the report warns."""
@@ -227,7 +227,7 @@ def series_of_further_trials(
 ) -> list[TrialSeries]:
     """Further trials as the filter has them, at the rate of the fit."""
     held = [i.held for i in ready.model.inputs]
-    series = [series_of(ready.model, ready.assembly, t, ready.scales) for t in trials]
+    series = [as_trial_series(ready.model, ready.assembly, t, ready.scales) for t in trials]
     return [averaged_to_rate(one, ready.rate_hz, held) for one in series]
 
 

@@ -20,7 +20,7 @@ MAX_ERROR_OVER_STATED_TO_FIT = 100.0
 """Estimated over stated errors of an observation above which nothing is fitted: the model and the
 stated accuracy describe other recordings.
 """
-MIN_INNOVATION_SQUARE = 0.1
+MIN_MEAN_SQUARE_INNOVATION = 0.1
 """Mean square of the whitened prediction errors, 1 if the stated errors are right, below which the
 report warns.
 """
@@ -67,7 +67,7 @@ def error_sentences(ready: PreparedCauseSearch, model: FittedCauseSet) -> list[s
     observations = ready.model.observations
     ratios = errors_over_stated(ready, model.noise)
     squares = np.concatenate([f.innovations**2 for f in model.passes if len(f.innovations)])
-    small = np.nanmean(np.where(squares > 0, squares, np.nan), axis=0) < MIN_INNOVATION_SQUARE
+    small = np.nanmean(np.where(squares > 0, squares, np.nan), axis=0) < MIN_MEAN_SQUARE_INNOVATION
     return [
         f"The stated std of {o.name}, {o.std:.3g} {o.unit}, is several times larger than its "
         "errors in the recordings; effects smaller than it stay hidden."

@@ -80,7 +80,7 @@ class Cause:
     """A candidate cause: a statement and functions that are added to stages of the model.
 
     - hooks: name of a stage -> function, whose outputs are added to those of the stage;
-    - parameters, strengths: the first `strengths` parameters are 0 if the cause is absent;
+    - parameters; strengths: number of leading parameters that are 0 if the cause is absent;
     - site: the cause belongs to the place of the recording (a current, a clock) and is not applied
       to recordings made elsewhere;
     - channels: outputs of the stage `force` that the cause changes. Default: found from `hooks`;

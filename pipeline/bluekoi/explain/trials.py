@@ -175,10 +175,12 @@ def series_of_trials(
 ) -> list[TrialSeries]:  # fmt: skip
     """Trials as the filter has them, at no more than `rate_hz`."""
     held = [i.held for i in model.inputs]
-    return [averaged_to_rate(series_of(model, assembly, t, scales), rate_hz, held) for t in trials]
+    return [
+        averaged_to_rate(as_trial_series(model, assembly, t, scales), rate_hz, held) for t in trials
+    ]
 
 
-def series_of(
+def as_trial_series(
     model: Model, assembly: AssembledSystem, trial: Trial, scales: Mapping[str, float]
 ) -> TrialSeries:
     """A trial as the filter has it, at its own rate."""

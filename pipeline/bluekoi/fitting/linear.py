@@ -29,7 +29,7 @@ from .filtering import (
     filter_all,
     values_with_noise_switched_on,
 )
-from .recursion import write_log_likelihoods
+from .recursion import fill_log_likelihoods
 from .score import log_likelihood_gradients
 from .series import Noise, TrialSeries, padded_arrays
 
@@ -111,7 +111,7 @@ def log_likelihood(linear: LinearisedFilter, noise: Noise) -> float:
     out = np.zeros(len(linear.counts))
     given = (*_recursion_arguments(linear), *_noise_arrays(linear, noise))
     map_ranges_in_threads(
-        lambda first, last: write_log_likelihoods(*given, first, last, out), len(out)
+        lambda first, last: fill_log_likelihoods(*given, first, last, out), len(out)
     )
     return float(out.sum())
 

@@ -16,7 +16,7 @@ njit_nogil_fast = njit(cache=True, error_model="numpy", nogil=True, fastmath=FAS
 
 
 @njit_nogil_fast
-def write_log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
+def fill_log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     counts, times, F, H, correction, level, residual, noise, cov, tau, variance, memory, scales,
     first, last, out,
 ):  # fmt: skip
@@ -66,7 +66,7 @@ def kalman_predict(  # type: ignore[no-untyped-def]  # noqa: PLR0917
     d, P, A, AP, F, correction, level, tau, variance, memory, dt
 ) -> None:
     """D = A (d - correction) + (A - F) level and P = A P A' + Q, to the next frame."""
-    write_transition_matrix(A, F, tau, memory, dt)
+    fill_transition_matrix(A, F, tau, memory, dt)
     _propagate_deviation(d, A, F, correction, level)
     _propagate_covariance(P, A, AP, variance, memory, dt)
 
@@ -85,7 +85,7 @@ def kalman_update(  # type: ignore[no-untyped-def]  # noqa: PLR0917
 
 
 @njit_nogil_fast
-def write_transition_matrix(A, F, tau, memory, dt) -> None:  # type: ignore[no-untyped-def]
+def fill_transition_matrix(A, F, tau, memory, dt) -> None:  # type: ignore[no-untyped-def]
     """A = F with other memories: a column goes with tau (1 - exp(-dt / tau))."""
     for k in range(len(tau)):
         lead = 1.0

@@ -18,11 +18,11 @@ from __future__ import annotations
 import numpy as np
 
 from .recursion import (
+    fill_transition_matrix,
     kalman_predict,
     kalman_update,
     njit_nogil_fast,
     reset_deviation_and_covariance,
-    write_transition_matrix,
 )
 
 
@@ -33,7 +33,7 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
 ):  # fmt: skip
     """Log likelihoods into `out` (t,), and their slopes by variance and memory of the random states
     (t, a), and by the factors on `noise` (t, o, o), of trials `first` to `last`; arguments as in
-    `recursion.write_log_likelihoods`.
+    `recursion.fill_log_likelihoods`.
     """
     n, a, q = F.shape[1], F.shape[2], H.shape[2]
     after, predicted = np.zeros((n, a)), np.zeros((n, a, a))
@@ -75,7 +75,7 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
             )  # fmt: skip
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
-                write_transition_matrix(A, F[t, k], tau, memory, dt)
+                fill_transition_matrix(A, F[t, k], tau, memory, dt)
                 _multiply_into(U, A, AP)
                 for i in range(a):
                     d[0, i] = after[k - 1, i] - correction[t, k - 1, i] + level[t, k - 1, i]

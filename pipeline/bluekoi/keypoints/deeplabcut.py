@@ -13,7 +13,7 @@ from ..data import MIN_KEYPOINT_LIKELIHOOD, Float, Keypoints, read_columns, writ
 from ..errors import InputError, input_error
 from ..files import atomic_write
 from ..study import Trial
-from .files.dlc_csv import read_csv
+from .files.dlc_csv import read_dlc_csv
 from .files.dlc_h5 import read_h5
 from .files.table import Table, to_keypoints
 from .sleap import is_sleap, read_slp
@@ -94,7 +94,7 @@ def read_table(path: Path) -> Table:
 
 def _read_by_format(path: Path) -> Table:
     if path.suffix.lower() == ".csv":
-        return read_csv(path)
+        return read_dlc_csv(path)
     if path.suffix.lower() == ".slp":
         return read_slp(path)
     return read_sleap(path) if is_sleap(path) else read_h5(path)

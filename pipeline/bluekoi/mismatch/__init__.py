@@ -2,10 +2,10 @@
 
 from .find import MismatchResult, find_mismatch
 from .free_run_errors import PathErrors, path_errors
-from .missing_force_dependence import ForceDependence, force_dependences, trial_indices_by_fold
+from .missing_force_dependence import ExplainedForceShare, force_dependences, trial_indices_by_fold
 
 __all__ = [
-    "ForceDependence",
+    "ExplainedForceShare",
     "MismatchResult",
     "PathErrors",
     "find_mismatch",

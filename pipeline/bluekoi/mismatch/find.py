@@ -39,7 +39,7 @@ from .camera_displacement import CameraDisplacement, detect_displacements, with_
 from .drift import CameraDrift, trial_with_camera_drift
 from .extended_model import fit_extended
 from .free_run_errors import path_errors
-from .missing_force_dependence import ForceDependence, covariates, force_dependences
+from .missing_force_dependence import ExplainedForceShare, covariates, force_dependences
 from .robot_problem import robot_problem, undetermined_cause_warnings
 
 MIN_FORCE_UNIT_SHARE_OF_BASELINE = 0.1
@@ -76,7 +76,7 @@ class MismatchResult:
     extended: JointFit
     fitted_to: str
     forces: Sequence[MissingForce]
-    dependences: Sequence[ForceDependence]
+    dependences: Sequence[ExplainedForceShare]
     held_out: Sequence[str]
     errors: Mapping[str, Mapping[str, float]]
     floor_m: float
@@ -178,7 +178,7 @@ def _missing_force_and_dependences(
     series: Sequence[TrialSeries],
     baseline: JointFit,
     extended: JointFit,
-) -> tuple[list[MissingForce], list[ForceDependence]]:
+) -> tuple[list[MissingForce], list[ExplainedForceShare]]:
     """What the model lacks without its additions, and what that depends on.
 
     The coefficients are those found with the additions, since the baseline's own have absorbed

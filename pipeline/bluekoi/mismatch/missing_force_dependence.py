@@ -32,7 +32,7 @@ FORCE_CHANNELS = ("surge", "sway", "yaw")
 
 
 @dataclass(frozen=True)
-class ForceDependence:
+class ExplainedForceShare:
     """Share of all the missing force that a variable explains in a channel, in conditions left
     out; channels are scaled by the random force that remains in each. adds: the share that it
     explains beyond better variables of the channel; 0 where it is not among the first.
@@ -60,7 +60,7 @@ def force_dependences(
     forces: Sequence[Float],
     variables: Sequence[Mapping[str, Float]],
     units: Float,
-) -> list[ForceDependence]:
+) -> list[ExplainedForceShare]:
     """Dependences of every channel on every variable, the largest share first.
 
     forces: (n, channels) of each trial. variables: one mapping a trial, name -> (n,), as `forces`
@@ -79,7 +79,7 @@ def force_dependences(
             order = [int(t) for t in np.argsort(-explained) if explained[t] > 0]
             trials = tuple(series[t].name for t in order[: max(3, len(order) // 4)])
             share = max(0.0, float(explained.sum())) / total
-            found.append(ForceDependence(channel, name, share, trials, adds.get(name, 0.0)))
+            found.append(ExplainedForceShare(channel, name, share, trials, adds.get(name, 0.0)))
     return sorted(found, key=lambda d: -d.share)
 
 

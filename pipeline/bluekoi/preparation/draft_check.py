@@ -10,7 +10,7 @@ from pathlib import Path
 from ..errors import InputError, InputIssue
 from ..study import Study, StudySettings, missing_files
 from ..study.key_reference import setting_keys
-from ..study.study_yaml import read_setup
+from ..study.study_yaml import read_study_settings
 from ..study.trials_csv import read_trials
 from .draft import STUDY_FILES, Draft, edited_texts, study_file_texts
 from .input_check import file_findings, setup_findings
@@ -62,7 +62,7 @@ def _validate_draft(
         texts = edited_texts(draft, folder, study_file_texts(folder))
         for file, text in zip(STUDY_FILES, texts, strict=True):
             (Path(name) / file).write_text(text, encoding="utf-8")
-        setup = read_setup(Path(name) / STUDY_FILES[0], findings)
+        setup = read_study_settings(Path(name) / STUDY_FILES[0], findings)
         trials = read_trials(Path(name) / STUDY_FILES[1], findings)
     findings = [replace(finding, file=Path(finding.file).name) for finding in findings]
     study = Study.model_construct(root=folder.resolve(), setup=setup, trials=tuple(trials))

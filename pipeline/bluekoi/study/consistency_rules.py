@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .setup import Camera, Robot, StudySettings
     from .types import Trial
 
-COMBINED_FIELDS_ERROR = "together"
+INCONSISTENT_VALUES_ERROR_TYPE = "together"
 UNITS_REMEDY = "Units are m, kg and kg m2."
 WIDTH_TO_HEIGHT_RANGE = (0.2, 1.5)
 """Mean width over height of a swimming body: a disc-shaped fish 0.2, a box 1, a ray more."""
@@ -42,7 +42,7 @@ def raise_problems(problems: Iterable[SettingInconsistency]) -> None:
 
 def _raise_combined_error(found: tuple[SettingInconsistency, ...]) -> NoReturn:
     raise PydanticCustomError(
-        COMBINED_FIELDS_ERROR, "values do not fit together", {"problems": found}
+        INCONSISTENT_VALUES_ERROR_TYPE, "values do not fit together", {"problems": found}
     )
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from ..errors import InputError, InputIssue
 from ..files import found_instead_of_file
 from .image_files import IMAGE_SUFFIXES
-from .study_yaml import read_setup
+from .study_yaml import read_study_settings
 from .trials_csv import read_trials
 from .types import Study, Trial
 
@@ -32,7 +32,7 @@ def load_study(folder: str | Path, *, only: str | None = None) -> Study:
         expected = "a study folder with study.yaml and trials.csv"
         raise InputError(InputIssue(str(root), "", found, expected))
     findings: list[InputIssue] = []
-    setup = read_setup(root / "study.yaml", findings)
+    setup = read_study_settings(root / "study.yaml", findings)
     trials = read_trials(root / "trials.csv", findings, only=only)
     if findings or setup is None:
         raise InputError(findings)

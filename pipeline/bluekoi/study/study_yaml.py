@@ -18,7 +18,7 @@ MAX_YAML_BYTES = 250_000
 READ_ERRORS = (OSError, UnicodeDecodeError, yaml.YAMLError, ValueError, RecursionError)
 
 
-def read_setup(path: Path, findings: list[InputIssue]) -> StudySettings | None:
+def read_study_settings(path: Path, findings: list[InputIssue]) -> StudySettings | None:
     """The setup in a study.yaml; None if something is wrong, with the errors in `findings`."""
     content = _yaml_content(path, findings)
     if content is None:

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from ..errors import InputIssue, did_you_mean
-from .consistency_rules import COMBINED_FIELDS_ERROR
+from .consistency_rules import INCONSISTENT_VALUES_ERROR_TYPE
 
 REMEDIES = {
     "camera.pool_corners_px": "`bluekoi pool STUDY` draws a frame with ruled lines, from which to "
@@ -38,7 +38,7 @@ def findings_from_validation_error(
 def _findings_from_item(
     path: str, model: type[BaseModel], item: dict[str, Any], prefix: str
 ) -> list[InputIssue]:
-    if item["type"] != COMBINED_FIELDS_ERROR:
+    if item["type"] != INCONSISTENT_VALUES_ERROR_TYPE:
         return [_finding_from_item(path, model, item, prefix)]
     section = ".".join(map(str, item["loc"]))
     return [

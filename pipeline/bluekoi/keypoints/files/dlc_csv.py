@@ -17,7 +17,7 @@ COORDINATES = ("x", "y", "likelihood")
 EXPECTED_LAYOUT = "DeepLabCut's header rows scorer, bodyparts, coords"
 
 
-def read_csv(path: Path) -> Table:
+def read_dlc_csv(path: Path) -> Table:
     """Table of a DeepLabCut csv of predictions or labels, of one animal or several.
 
     Raises: InputError naming the row where the header is not DeepLabCut's, the body is empty, a row

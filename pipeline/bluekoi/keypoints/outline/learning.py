@@ -12,7 +12,7 @@ from ...data import Float, Frame
 from ...study import Robot, Trial
 from .blob_detection import Blob, candidate_poses, find_blobs
 from .stations import measure_stations, without_biased_stations
-from .template import OutlineTemplate, initial_template, robot_length_bl, with_learned_stations
+from .template import OutlineTemplate, initial_template, robot_length_bl, with_learned_outline
 from .tracking import DetectionScene, OutlineFit, fit_frame, is_plausible_blob, search_ranges_px
 
 SEARCH_LENGTHS_BL = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
@@ -120,7 +120,7 @@ def _refine_template(
             for f, one in fits
         ]
         kept = _near_best_support(fits)
-        template = with_learned_stations(
+        template = with_learned_outline(
             template, *measure_stations(kept, scene, template, int(reach[-1]))
         )
     shape = template.shape()

@@ -154,7 +154,7 @@ def _blunt_head_radii(angles: Float, head_bl: float, half_bl: float) -> Float:
     return np.where(c > 0, ahead, half_bl / np.maximum(s, 0.3))
 
 
-def with_learned_stations(
+def with_learned_outline(
     template: OutlineTemplate, offsets_bl: Float, skins: Float, share: float = 1.0
 ) -> OutlineTemplate:
     """Template whose stations moved by the median offset seen over frames and both sides.

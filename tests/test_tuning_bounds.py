@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import exact_campaign as exact
 import numpy as np
@@ -28,7 +29,13 @@ from bluekoi.tuning import (
     fit_paper_steps,
     table_1,
 )
-from bluekoi.tuning.joint_fit import START_NOISE, JointFit
+from bluekoi.tuning.joint_fit import (
+    PUBLISHED_MASS_KG,
+    PUBLISHED_YAW_INERTIA_KG_M2,
+    START_NOISE,
+    JointFit,
+    start_noise,
+)
 from bluekoi.tuning.results import straight_swimming
 from paper_robot import PAPER_SETUP
 from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
@@ -207,3 +214,18 @@ def test_table_1_shows_the_interval_that_stands_in_the_file(shown_figures) -> No
     low, high = cells["C_T"]["interval_95"]
     (power,) = tables.table_1(shown_figures)
     assert float(power["cells"][0][0].split(" ± ")[1]) == pytest.approx(0.5 * (high - low), rel=0.1)
+
+
+@pytest.mark.parametrize(("heavier", "slower_to_turn"), [(1.0, 1.0), (14.0, 93.0), (0.02, 0.001)])
+def test_random_forces_of_a_first_fit_give_every_robot_the_same_accelerations(
+    heavier: float, slower_to_turn: float
+) -> None:
+    """With 0.5 mN m for a robot of 0.89 kg m2, a first fit ended at negative lift and drag."""
+    kernel = compile_system(two_plate_system())
+    names = kernel.system.constants
+    constants = np.ones(len(names))
+    constants[names.index("m")] = heavier * PUBLISHED_MASS_KG
+    constants[names.index("I")] = slower_to_turn * PUBLISHED_YAW_INERTIA_KG_M2
+    one = SimpleNamespace(constants=constants)
+    found = start_noise(kernel, [one, one]).disturbance / START_NOISE.disturbance
+    assert found == pytest.approx([heavier, heavier, slower_to_turn, 1.0, 1.0, 1.0])

@@ -599,3 +599,13 @@ def test_a_run_without_any_clock_says_so_in_its_outcome(tmp_path):
     bare = [t.model_copy(update={"motor_log": None, "flap_hz": None}) for t in study.trials]
     (text,) = unchecked_clock_notes(study.model_copy(update={"trials": tuple(bare)}))
     assert text.startswith("No trial has a motor_log or flap_hz: nothing can check fps.")
+
+
+def test_a_robot_larger_than_those_of_the_validation_is_a_warning(tmp_path):
+    setup = load_study(small_study(tmp_path / "study")).setup
+    assert setup_warnings(setup) == []
+    size = {"body_length_m": 0.82, "head_length_m": 0.3, "mass_kg": 9.6, "head_span_m": 0.17,
+            "yaw_inertia_kg_m2": 0.885}  # fmt: skip
+    large = setup.model_copy(update={"robot": setup.robot.model_copy(update=size)})
+    (text,) = setup_warnings(large)
+    assert text.startswith("body_length_m 0.82 is more than the 0.6 m up to which the search")

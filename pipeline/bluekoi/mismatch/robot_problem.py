@@ -90,7 +90,7 @@ def robot_problem(
 
 
 def undetermined_causes(system: System, series: Sequence[TrialSeries]) -> list[str]:
-    """Names of the causes that these trials cannot show, whatever their size."""
+    """Names of the effects that these trials do not identify, whatever their size."""
     angles = np.array(
         [np.median(s.inputs[:, CONTROL_INPUT_NAMES.index("head_angle")]) for s in series]
     )

@@ -1,4 +1,4 @@
-"""How much a hidden law matters: path error after the published model is fitted anew.
+"""How much a hidden law matters: path error after a refit of the published model.
 
 The path is cut into segments of 2.5 body lengths' time at full speed. The six coefficients of the
 published model (with the true fin, where there is one) are fitted to the positions in all segments

@@ -34,6 +34,13 @@ In the tables, "start" is the value from which a fit starts, and "from" and "to"
 parameter. Many formulas contain "the part w" or a similar share: 0 gives the simple form of the
 effect, and 1 replaces it by the other form.
 
+Starts, bounds, and the numbers with a unit in the formulas are those of the published robot (mass
+0.68 kg, length of the body 0.331 m). Those of a robot of mass m and length l follow by similarity:
+masses are multiplied by m / 0.68 kg, lengths by l / 0.331 m, times by the square root of l / 0.331
+m, and other quantities by what results from their units. A robot of 1 m and 18 kg has 0.52 m/s in
+the place of 0.3 m/s, and 265 N in the place of 10 N. The key `robot_units` of mismatch.json states
+the three factors.
+
 Below a table, "Forms" lists variants of the effect: published formulas, or other values of a length
 or of a time, such as a short lag. In brackets are the values of the shape parameters that give the
 form; shape parameters that are not mentioned have their start values. The finder tries each form.

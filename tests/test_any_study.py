@@ -13,9 +13,9 @@ from bluekoi.fitting import TrialSeries
 from bluekoi.integrate import compile_system
 from bluekoi.mismatch.camera_displacement import detect_displacements
 from bluekoi.model import two_plate_system
+from bluekoi.tuning import JointFit, coefficient_table, downsampled, fit_all_trials
 from bluekoi.tuning.draws import sample_parameters
 from bluekoi.tuning.identify import fisher_eigendirections, likelihood_profiles
-from bluekoi.tuning.joint_fit import JointFit, coefficient_table, downsampled, fit_all_trials
 from simulated_campaigns import ErrorModel, simulate_campaigns
 from simulated_campaigns import trial_plans as plans_of
 

@@ -18,7 +18,7 @@ from bluekoi.mismatch.laws import (
 )
 from bluekoi.model import HYDRODYNAMIC_COEFFICIENTS, two_plate_system
 from bluekoi.study import Trial
-from bluekoi.tuning.joint_fit import downsampled, fit_all_trials
+from bluekoi.tuning import downsampled, fit_all_trials
 from simulated_campaigns import ErrorModel, simulate_campaigns
 from simulated_campaigns import trial_plans as plans_of
 

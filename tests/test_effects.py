@@ -12,7 +12,14 @@ from candidate_causes import MEASUREMENT, PHYSICS
 from bluekoi import effects, measurement
 from bluekoi.fitting.side_measurements import predict_side_measurement
 from bluekoi.integrate import Effect
-from bluekoi.model import TABLE_1, effect_names, residual, simulate, two_plate_system
+from bluekoi.model import (
+    TABLE_1,
+    constants_of_robot_trial,
+    effect_names,
+    residual,
+    simulate,
+    two_plate_system,
+)
 from bluekoi.model.equations import relative_flow_velocities
 from paper_robot import PAPER_SETUP
 
@@ -31,6 +38,11 @@ ALL_EFFECTS = [e for e in two_plate_system().effects if e.kind in ("physics", "m
 
 def active_at_start_value(effect: Effect) -> dict[str, dict[str, float]]:
     return {effect.name: {p.name: p.start for p in effect.parameters}}
+
+
+def trial_arguments(means: list[list[float]]) -> np.ndarray:
+    """Means of head angle, frequency and time in trials of the published robot, its constants."""
+    return np.array([[*row, *constants_of_robot_trial(PAPER_SETUP, 0.12)] for row in means])
 
 
 def simulated_path(effect: Effect | None, side: float = 1.0, **given: float) -> np.ndarray:
@@ -130,6 +142,7 @@ def call_effect(
         "rho": 1000.0, "A": 0.0083, "A_ref": 0.0083, "span": 0.069, "length": 0.33, "h": 0.12,
         "l": 0.1,
         "x_hinge": 0.04, "x_tail": 0.171, "l_tail": 0.07, "L_pool": 2.6, "W_pool": 1.6,
+        "length_unit": 1.0, "speed_unit": 1.0, "time_unit": 1.0,
         "x": 0.1, "y": 0.2,
         "t": 2.0, "psi": 7.0, "psi0": 0.0, "uc": u, "vc": v, "r": r, "rc": r, "rd": r,
         "V": float(np.hypot(u, v)), "cpsi": 1.0, "spsi": 0.0,
@@ -271,7 +284,7 @@ def test_side_measurements_predicted_by_functions_have_the_slopes_of_differences
             "battery_sag": {"loss_rate": 0.04, "settling_rate": 1e-4},
         },
     )
-    slot, at = system.slot, (point[None], np.array([[0.0, 3.5, 3.0]]))
+    slot, at = system.slot, (point[None], trial_arguments([[0.0, 3.5, 3.0]]))
     value, slopes = predict_side_measurement(system, "lost_time", *at)
     assert value[0] == pytest.approx(0.18)
     assert slopes[0, slot["motor_spin_up.missing_share"]] == pytest.approx(0.3)
@@ -290,7 +303,7 @@ def test_a_sag_that_follows_the_load_drifts_more_at_a_higher_frequency() -> None
     """With an exponent of 2, twice the frequency has four times the drift."""
     system = two_plate_system()
     point = system.values(TABLE_1[100], {"battery_sag": {"loss_rate": 0.04, "load_exponent": 2.0}})
-    means = np.array([[0.0, 2.0, 3.0], [0.0, 4.0, 3.0]])
+    means = trial_arguments([[0.0, 2.0, 3.0], [0.0, 4.0, 3.0]])
     drift, slopes = predict_side_measurement(
         system, "frequency_drift", np.tile(point, (2, 1)), means
     )
@@ -328,7 +341,7 @@ def lift_over_steady(e: float, w: float, speeds: np.ndarray) -> np.ndarray:
         missing = lag.hooks["head_plate_force"](**known, z=z, y_lag=y, k=1.0, w=w, e=e)
         out.append(1.0 - np.hypot(*missing) / (0.5 * 1000 * 0.0083 * 3.0 * 0.6 * V * V))
         assert lag.rates is not None
-        dz, dy = lag.rates(known["uh"], known["vh"], V, h, z, y, 1.5, e)
+        dz, dy = lag.rates(known["uh"], known["vh"], V, h, 1.0, z, y, 1.5, e)
         step = h / 24 / V
         z, y = z + step * dz, y + step * dy
     return np.array(out)
@@ -400,9 +413,14 @@ def test_thrust_lost_by_the_speed_alone_is_a_share_of_it() -> None:
 def test_displacements_are_relative_to_the_most_certain_one() -> None:
     """Turned by a right angle and twice as far: (dx, dy) times 2 i."""
     camera_shift = two_plate_system().effect("camera_shift")
-    seen = camera_shift.hooks["observe"](3.0, 2.0, 0.0, 2.0, 0.004, 0.001)
+    seen = camera_shift.hooks["observe"](3.0, 1.0, 2.0, 0.0, 2.0, 0.004, 0.001)
     assert seen == pytest.approx((-0.002, 0.008, 0.0, 0.0))
-    assert camera_shift.hooks["observe"](1.9, 2.0, 0.0, 2.0, 0.004, 0.001) == (0.0, 0.0, 0.0, 0.0)
+    assert camera_shift.hooks["observe"](1.9, 1.0, 2.0, 0.0, 2.0, 0.004, 0.001) == (
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    )
 
 
 @pytest.mark.parametrize("name", ["stall", "lift_lag", "port_starboard_asymmetry"])
@@ -465,7 +483,7 @@ def wave_drag_newton(speed_m_s: float, **form: float) -> float:
     """Wave drag of k = 1 N (s/m)^4 in straight swimming."""
     none = {"w": 0.0, "h": 0.0, "g": 0.0, "V_c": 0.35, "o": 0.0, "V_0": 0.23}
     force = two_plate_system().effect("wave_drag").hooks["force"]
-    return -force(0.1, speed_m_s, 0.0, speed_m_s, 1.0, **none | form)[0]
+    return -force(0.1, speed_m_s, 0.0, speed_m_s, 1.0, 1.0, **none | form)[0]
 
 
 def test_forms_of_wave_drag_are_alike_at_their_reference_speed() -> None:
@@ -617,17 +635,17 @@ def test_a_wake_that_fades_counts_by_its_age() -> None:
 
 def test_a_robot_that_settles_has_sunk_by_its_first_rate_over_the_settling_rate() -> None:
     seen = two_plate_system().effect("sinking").hooks["observe"]
-    late = seen(20.0, 2.3, 0.8, 1.3, 0.8, 0.002, 0.0, 1.0)
+    late = seen(20.0, 1.0, 2.3, 0.8, 1.3, 0.8, 0.002, 0.0, 1.0)
     assert late == pytest.approx((-0.002, 0.0, 0.0, 0.0))
-    steady = seen(2.0, 2.3, 0.8, 1.3, 0.8, 0.002, 0.0, 1e-4)
+    steady = seen(2.0, 1.0, 2.3, 0.8, 1.3, 0.8, 0.002, 0.0, 1e-4)
     assert steady[0] == pytest.approx(-0.004, rel=1e-3)
 
 
 def test_a_sheared_current_vanishes_at_one_wall_and_doubles_at_the_other() -> None:
     current = two_plate_system().effect("uniform_current").hooks["ambient_flow"]
-    across = [current(3.0, 1.3, y, 2.6, 1.6, 0.01, 0.0, 1.0, 0.0)[0] for y in (0.0, 0.8, 1.6)]
+    across = [current(3.0, 1.3, y, 2.6, 1.6, 1.0, 0.01, 0.0, 1.0, 0.0)[0] for y in (0.0, 0.8, 1.6)]
     assert across == pytest.approx([0.0, 0.01, 0.02])
-    assert current(6.0, 1.3, 0.8, 2.6, 1.6, 0.01, 0.0, 0.0, -1.0)[0] == pytest.approx(0.0)
+    assert current(6.0, 1.3, 0.8, 2.6, 1.6, 1.0, 0.01, 0.0, 0.0, -1.0)[0] == pytest.approx(0.0)
 
 
 def test_a_vortex_is_fastest_at_its_core_radius() -> None:

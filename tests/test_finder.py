@@ -489,7 +489,7 @@ def test_a_wrong_clock_in_some_trials_is_measured_in_these_alone() -> None:
     )
     place = two_plate_system().constants.index("clock_part")
     clock = two_plate_system().effect("clock_error").hooks["true_time_rate"]
-    assert [clock(2.0, s.constants[place], -0.05, 0.0)[0] for s in found] == [-0.05, 0, 0] * 3
+    assert [clock(2.0, 1.0, s.constants[place], -0.05, 0.0)[0] for s in found] == [-0.05, 0, 0] * 3
 
 
 @pytest.mark.parametrize("off", [

@@ -36,6 +36,8 @@ VIEW_CONSTANTS = {
     "ax_lens": 0.0,
     "ay_lens": 0.0,
     "ahead": 0.0,
+    "length_unit": 1.0,
+    "time_unit": 1.0,
 }
 LENGTHS_M = (0.12, 0.04, 0.16)
 LABEL_STD_M, TRIAL_STD, NOISE_M = 0.0007, 0.001, 0.0006

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import exact_campaign as exact
 import numpy as np
@@ -17,8 +16,8 @@ from bluekoi.fitting import (
     cluster_covariance,
     off_bounds,
 )
-from bluekoi.integrate import compile_system
-from bluekoi.model import two_plate_system
+from bluekoi.fitting.joint_fit import free_definitions
+from bluekoi.model import RobotUnits, two_plate_system
 from bluekoi.report import identifiability, tables
 from bluekoi.study import Study, Trial
 from bluekoi.tuning import (
@@ -30,13 +29,11 @@ from bluekoi.tuning import (
     table_1,
 )
 from bluekoi.tuning.joint_fit import (
-    PUBLISHED_MASS_KG,
-    PUBLISHED_YAW_INERTIA_KG_M2,
     START_NOISE,
     JointFit,
-    start_noise,
 )
 from bluekoi.tuning.results import straight_swimming
+from bluekoi.tuning.similar_robots import similar_noise
 from paper_robot import PAPER_SETUP
 from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
 
@@ -49,7 +46,6 @@ def tuned_at(
 ) -> JointFit:
     """A fit that ended at these values; the trials pull C_Da by `pull` of its deviations beyond."""
     rng = np.random.default_rng(5)
-    kernel = compile_system(two_plate_system())
     scale = 1.0 / (widths * TRUTH)
     X = rng.standard_normal((trials, 40, 6)) * scale / np.sqrt(40 * trials)
     H = np.einsum("tnp,tnq->tpq", X, X)
@@ -59,8 +55,10 @@ def tuned_at(
     push = np.zeros(6)
     push[2] = pull * widths * TRUTH[2]
     normal = NormalEquationsByTrial(H, g + H @ push, np.zeros(trials))
-    found = ParameterFit(tuple(FreeParameter(n) for n in NAMES), values, normal, "", 1)
-    spread = cluster_covariance(normal, off_bounds(kernel, found))
+    free = tuple(FreeParameter(n) for n in NAMES)
+    known = free_definitions(two_plate_system(), free)
+    found = ParameterFit(free, values, normal, "", 1, known)
+    spread = cluster_covariance(normal, off_bounds(found))
     return JointFit(found, START_NOISE, spread.cov, two_plate_system().values({}), spread.df)
 
 
@@ -216,16 +214,12 @@ def test_table_1_shows_the_interval_that_stands_in_the_file(shown_figures) -> No
     assert float(power["cells"][0][0].split(" ± ")[1]) == pytest.approx(0.5 * (high - low), rel=0.1)
 
 
-@pytest.mark.parametrize(("heavier", "slower_to_turn"), [(1.0, 1.0), (14.0, 93.0), (0.02, 0.001)])
+@pytest.mark.parametrize("units", [RobotUnits(14.0, 2.4, 1.55), RobotUnits(0.02, 0.3, 0.55)])
 def test_random_forces_of_a_first_fit_give_every_robot_the_same_accelerations(
-    heavier: float, slower_to_turn: float
+    units: RobotUnits,
 ) -> None:
     """With 0.5 mN m for a robot of 0.89 kg m2, a first fit ended at negative lift and drag."""
-    kernel = compile_system(two_plate_system())
-    names = kernel.system.constants
-    constants = np.ones(len(names))
-    constants[names.index("m")] = heavier * PUBLISHED_MASS_KG
-    constants[names.index("I")] = slower_to_turn * PUBLISHED_YAW_INERTIA_KG_M2
-    one = SimpleNamespace(constants=constants)
-    found = start_noise(kernel, [one, one]).disturbance / START_NOISE.disturbance
-    assert found == pytest.approx([heavier, heavier, slower_to_turn, 1.0, 1.0, 1.0])
+    found = similar_noise(units, START_NOISE).disturbance / START_NOISE.disturbance
+    force = units.mass * units.length / units.time**2
+    lengths = [force, force, force * units.length, units.length, units.length, 1.0]
+    assert found == pytest.approx(lengths)

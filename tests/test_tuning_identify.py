@@ -9,7 +9,6 @@ import pytest
 
 from bluekoi.fitting import TrialSeries, cluster_covariance, off_bounds
 from bluekoi.fitting.joint_fit import AT_BOUND
-from bluekoi.integrate import compile_system
 from bluekoi.model import two_plate_system
 from bluekoi.tuning import JointFit, coefficient_table, downsampled, fit_all_trials
 from bluekoi.tuning.identify import fisher_eigendirections, likelihood_profiles, parameter_scales
@@ -76,10 +75,10 @@ BOUNDS = {"C_Da": 40.0, "C_La": 4.2, "C_Ma": -1.0, "C_Md": 5.0}
 @pytest.fixture(scope="module")
 def fit_at_bounds(straight_runs_fit) -> JointFit:
     """The straight runs' fit as it comes out where three numbers run to their bounds."""
-    kernel, found = compile_system(two_plate_system()), fit_all_trials(straight_runs_fit)
+    found = fit_all_trials(straight_runs_fit)
     values = np.array([BOUNDS.get(n, v) for n, v in found.fit.by_label().items()])
     fit = replace(found.fit, values=values, outcome=AT_BOUND)
-    spread = cluster_covariance(fit.normal, off_bounds(kernel, fit))
+    spread = cluster_covariance(fit.normal, off_bounds(fit))
     return JointFit(fit, found.noise, spread.cov, found.base, spread.df, spread.influence)
 
 

@@ -25,12 +25,10 @@ from bluekoi.engine.expansion import LikelihoodExpansion, expand_in_all_forms
 from bluekoi.engine.problem import CauseSearchProblem
 from bluekoi.engine.refit import fit_set
 from bluekoi.fitting import rms_forces
-from bluekoi.integrate import compile_system
 from bluekoi.mismatch.robot_problem import robot_problem
-from bluekoi.model import two_plate_system
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
-from bluekoi.tuning import downsampled, fit_all_trials
+from bluekoi.tuning import downsampled, fit_all_trials, trial_kernel
 
 RIDGE = 1e-9
 
@@ -39,7 +37,7 @@ def relative_residuals(study: Path, results: Path) -> dict[str, list[float]]:
     """Cause -> kappa^2 of each of its forms, in the designs of a measured study's trials."""
     campaign = load_campaign(results, load_study(study), measured=True)
     series = downsampled(campaign_series(campaign, campaign_flapping(campaign)))
-    kernel, baseline = compile_system(two_plate_system()), fit_all_trials(series)
+    kernel, baseline = trial_kernel(series), fit_all_trials(series)
     problem = robot_problem(kernel, series, baseline, displaced=(), progress=lambda _: None)
     model = fit_set(problem, (), problem.noise, baseline.fit.by_label())
     expansion, _ = expand_in_all_forms(problem, model)  # strengths in their leading forms

@@ -10,12 +10,10 @@ import numpy as np
 
 from bluekoi.campaign import load_campaign
 from bluekoi.fitting import TrialSeries
-from bluekoi.integrate import compile_system
 from bluekoi.mismatch.drift import add_drift, trial_with_camera_drift
-from bluekoi.model import two_plate_system
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
-from bluekoi.tuning import downsampled, fit_all_trials
+from bluekoi.tuning import downsampled, fit_all_trials, trial_kernel
 
 DRIFT_SIZE_M = 0.085
 """Drift that is put in: 40 px of a usual picture."""
@@ -34,7 +32,7 @@ def drift_detections(study: Path, results: Path) -> tuple[bool, bool]:
 
 def _reported_trial(series: Sequence[TrialSeries]) -> str:
     """Name of the trial that is reported, or no text."""
-    kernel, model = compile_system(two_plate_system()), fit_all_trials(series)
+    kernel, model = trial_kernel(series), fit_all_trials(series)
     found = trial_with_camera_drift(kernel, series, model.trial_values(kernel, series), model.noise)
     return found.trial if found else ""
 

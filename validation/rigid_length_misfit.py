@@ -11,7 +11,7 @@ import numpy as np
 from bluekoi.campaign import load_campaign
 from bluekoi.files import read_json
 from bluekoi.mismatch.rigid_lengths import effects_that_change_lengths
-from bluekoi.model import two_plate_system
+from bluekoi.model import robot_system
 from bluekoi.stages.mismatch import with_rigid_length_measurement
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study
@@ -23,7 +23,8 @@ MisfitRow = tuple[str, bool, float, int]
 def length_misfit(directory: Path, name: str) -> MisfitRow | None:
     """The row of a measured study of a directory; None where no lengths were measured."""
     study, results = directory / "studies" / name, directory / "tracks" / name
-    loaded, system = load_study(study), two_plate_system()
+    loaded = load_study(study)
+    system = robot_system(loaded.setup.robot)
     series = campaign_series(load_campaign(results, loaded, measured=True))
     geometry = read_json(results / "geometry.json")
     shared = with_rigid_length_measurement(series, geometry, loaded.setup)[0].shared

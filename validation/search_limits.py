@@ -19,13 +19,11 @@ from bluekoi.engine.fitted_sets import FittedCauseSets
 from bluekoi.engine.own_noise import fit_own_noise
 from bluekoi.engine.refit import fit_set
 from bluekoi.engine.set_score import score_set
-from bluekoi.integrate import compile_system
 from bluekoi.mismatch.find import SEARCH_RATE_HZ
 from bluekoi.mismatch.robot_problem import robot_problem
-from bluekoi.model import two_plate_system
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
-from bluekoi.tuning import downsampled, fit_all_trials
+from bluekoi.tuning import downsampled, fit_all_trials, trial_kernel
 
 
 @dataclass(frozen=True)
@@ -44,7 +42,7 @@ def study_problem(study: Path, results: Path) -> tuple[CauseSearchProblem, dict[
     """Problem of a measured study, all of whose trials are fitted, and the fitted coefficients."""
     campaign = load_campaign(results, load_study(study), measured=True)
     series = campaign_series(campaign, campaign_flapping(campaign))
-    kernel, baseline = compile_system(two_plate_system()), fit_all_trials(downsampled(series))
+    kernel, baseline = trial_kernel(series), fit_all_trials(downsampled(series))
     problem = robot_problem(kernel, downsampled(series, SEARCH_RATE_HZ), baseline, displaced=(),
                             progress=lambda _: None)  # fmt: skip
     return problem, baseline.fit.by_label()

@@ -12,8 +12,8 @@ import numpy as np
 from ..data import Float
 from ..errors import did_you_mean, input_error
 from ..files import read_json
-from ..integrate import LANES
-from ..model import HYDRODYNAMIC_COEFFICIENTS, two_plate_system
+from ..integrate import LANES, System
+from ..model import HYDRODYNAMIC_COEFFICIENTS, robot_system, two_plate_system
 from ..study import Study
 
 T = TypeVar("T")
@@ -68,6 +68,7 @@ def load_fitted_robot(
     verdict = _read_verdict(results / "mismatch.json") if detail.is_file() else "none"
     chosen = model or ("extended" if verdict == "physics" else "joint")
     rng = np.random.default_rng(seed)
+    system = robot_system(study.setup.robot) if study else two_plate_system()
     if chosen == "extended":
         if not detail.is_file():
             raise input_error(detail, "", "no such file",
@@ -75,7 +76,8 @@ def load_fitted_robot(
                         "Run the whole analysis first, or ask for the joint model.")  # fmt: skip
         cells = read_json(detail)
         values = _read_complete(
-            detail, lambda: _extended_model_draws(cells["coefficients"]["after"], detail, rng)
+            detail,
+            lambda: _extended_model_draws(cells["coefficients"]["after"], detail, rng, system),
         )
     else:
         values = _read_complete(path, lambda: _joint_fit_draws(found["joint"], rng))
@@ -120,17 +122,19 @@ def _joint_fit_draws(joint: Mapping[str, Any], rng: np.random.Generator) -> Floa
     return np.array([two_plate_system().values(row) for row in rows])
 
 
-def _extended_model_draws(cells: Mapping[str, Any], path: Path, rng: np.random.Generator) -> Float:
-    best = two_plate_system().values({})
+def _extended_model_draws(
+    cells: Mapping[str, Any], path: Path, rng: np.random.Generator, system: System
+) -> Float:
+    best = system.values({})
     std = np.zeros(len(best))
     for name, cell in cells.items():
-        slot = two_plate_system().slot.get(name)
+        slot = system.slot.get(name)
         if slot is None:
             raise input_error(path, name, "an unknown parameter", "a known one",
-                        did_you_mean(name, two_plate_system().slot))  # fmt: skip
+                        did_you_mean(name, system.slot))  # fmt: skip
         best[slot], std[slot] = float(cell["value"]), float(cell.get("std") or 0.0)
-    lower = np.array([p.lower for p in two_plate_system().parameters])
-    upper = np.array([p.upper for p in two_plate_system().parameters])
+    lower = np.array([p.lower for p in system.parameters])
+    upper = np.array([p.upper for p in system.parameters])
     drawn = best + std * rng.standard_normal((COEFFICIENT_DRAWS, len(best)))
     return np.vstack([best, np.where(std > 0, np.clip(drawn, lower, upper), best)])
 

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from ..data import Float
 from ..errors import InputError, did_you_mean, input_error
+from ..model import robot_units
 from ..study import Study, StudySettings
 from ..study.validation_messages import findings_from_validation_error
 from .fits import COEFFICIENT_DRAWS, FittedRobot
@@ -84,8 +85,9 @@ def evaluate_designs(
     robots = [
         _setup_with_changes(setup, dict(zip(keys, rest, strict=True))) for _, _, _, *rest in grid
     ]
+    fitted = robot_units(setup.robot)
     conditions = [
-        OperatingCondition(fit.at_power(p), float(np.radians(a)), h, robot)
+        OperatingCondition(fit.at_power(p), float(np.radians(a)), h, robot, fitted)
         for (p, a, h, *_), robot in zip(grid, robots, strict=True)
     ]
     states = steady_states(conditions, fit.values)

@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, compile_system
 from ..integrate.batch import in_lanes, simulate_batch
-from ..model import constants_of_robot_trial, two_plate_system
+from ..model import RobotUnits, constants_of_robot_trial, robot_system
 from ..study import StudySettings
 
 SETTLE_S, CHECK_S = 30.0, 25.0
@@ -26,12 +26,16 @@ MIN_SPEED_M_S = 1e-4
 
 @dataclass(frozen=True)
 class OperatingCondition:
-    """What is set: flapping frequency, head angle (core minus head, rad), head length, robot."""
+    """What is set: flapping frequency, head angle (core minus head, rad), head length, robot.
+
+    units: of the robot that was fitted, where this one differs from it.
+    """
 
     flap_hz: float
     head_angle_rad: float
     head_length_m: float
     setup: StudySettings
+    units: RobotUnits | None = None
 
 
 @dataclass(frozen=True)
@@ -69,9 +73,11 @@ def _steady_motion(
     conditions: Sequence[OperatingCondition], lanes: Float, parts: int
 ) -> tuple[Float, Float]:
     """Speed and yaw rate (2, blocks, 16) at `CHECK_S` and `SETTLE_S`."""
-    system = two_plate_system()
+    system = robot_system(conditions[0].setup.robot)
     blocks = len(lanes)
-    fixed = np.array([constants_of_robot_trial(c.setup, c.head_length_m) for c in conditions])
+    fixed = np.array(
+        [constants_of_robot_trial(c.setup, c.head_length_m, units=c.units) for c in conditions]
+    )
     inputs = np.array([[c.head_angle_rad, c.flap_hz] for c in conditions])
     _, states = simulate_batch(
         compile_system(system),
@@ -81,7 +87,7 @@ def _steady_motion(
         times=np.tile([0.0, CHECK_S, SETTLE_S], (blocks, 1)),
         inputs=np.repeat(np.repeat(inputs, parts, axis=0)[:, None], 3, axis=1),
         keep_states=True,
-        step_s=STEADY_INTEGRATION_STEP_S,
+        step_s=system.longest_step_s(STEADY_INTEGRATION_STEP_S),
     )
     u, v, r = (states[:, 1:, i].transpose(1, 0, 2) for i in (3, 4, 5))
     return np.hypot(u, v), r

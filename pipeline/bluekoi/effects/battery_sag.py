@@ -45,19 +45,23 @@ FUNCTIONAL_FORMS = {
 }
 
 
-def frequency_drift(t: float, flap_hz: float, k: float, w: float, e: float) -> float:
+def frequency_drift(
+    t: float, flap_hz: float, time_unit: float, k: float, w: float, e: float
+) -> float:
     """Relative change of the flapping frequency per second (1/s) in the middle of a trial, at t."""
-    return _first_drift(flap_hz, k, e) * math.exp(-w * t)
+    return _first_drift(flap_hz * time_unit, k, e) * math.exp(-w * t)
 
 
-def mid_trial_frequency_deviation(t: float, flap_hz: float, k: float, w: float, e: float) -> float:
+def mid_trial_frequency_deviation(
+    t: float, flap_hz: float, time_unit: float, k: float, w: float, e: float
+) -> float:
     """Relative difference of the tail beat in the middle of a trial from that at its start."""
-    return -_first_drift(flap_hz, k, e) * math.expm1(-w * t) / w
+    return -_first_drift(flap_hz * time_unit, k, e) * math.expm1(-w * t) / w
 
 
-def _first_drift(flap_hz: float, k: float, e: float) -> float:
+def _first_drift(scaled_flap_hz: float, k: float, e: float) -> float:
     """Relative change of the flapping frequency per second (1/s) at the start of a trial."""
-    return -0.5 * k * (max(flap_hz, 1e-9) / 3.5) ** e
+    return -0.5 * k * (max(scaled_flap_hz, 1e-9) / 3.5) ** e
 
 
 SIDE_MEASUREMENT_PREDICTIONS = {
@@ -68,8 +72,9 @@ SIDE_MEASUREMENT_PREDICTIONS = {
 
 
 def thrust(
-    rho: float, A: float, f: float, t: float, C_T: float, k: float, w: float, e: float
-) -> tuple[float]:
+    rho: float, A: float, f: float, t: float, time_unit: float, C_T: float, k: float, w: float,
+    e: float,
+) -> tuple[float]:  # fmt: skip
     """Change of thrust (N)."""
-    load = branchless_power(max(f, 1e-9) / 3.5, e)
+    load = branchless_power(max(f * time_unit, 1e-9) / 3.5, e)
     return (-k * load * (1.0 - exponential(-w * t)) / w * C_T * 0.5 * rho * A * f * f,)

@@ -45,8 +45,9 @@ FUNCTIONAL_FORMS = {
 
 
 def force(
-    uc: float, vc: float, V: float, F_c: float, c: float, s: float
+    uc: float, vc: float, V: float, speed_unit: float, F_c: float, c: float, s: float
 ) -> tuple[float, float, float]:
     """Surge and sway (N)."""
-    k = -F_c * (1.0 + s * exponential(-100.0 * V * V)) / math.sqrt(V * V + c * c)
+    slow = exponential(-100.0 * V * V / (speed_unit * speed_unit))
+    k = -F_c * (1.0 + s * slow) / math.sqrt(V * V + c * c)
     return k * uc, k * vc, 0.0

@@ -54,27 +54,27 @@ FUNCTIONAL_FORMS = {
 }
 
 
-def section_drag_factor(w: float, e: float) -> float:
+def section_drag_factor(w: float, e: float, speed_unit: float) -> float:
     """Drag of a section over w, per 1/2 rho C d (m/s)."""
-    return (1.0 - e) * abs(w) + e * math.sqrt(0.1 * abs(w))
+    return (1.0 - e) * abs(w) + e * math.sqrt(0.1 * speed_unit * abs(w))
 
 
 def force(
-    rho: float, span: float, x_hinge: float, x_tail: float, l_tail: float, vc: float, rc: float, C:
-    float, q: float, j: float, e: float,
+    rho: float, span: float, x_hinge: float, x_tail: float, l_tail: float, speed_unit: float,
+    vc: float, rc: float, C: float, q: float, j: float, e: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Sway (N) and yaw (N m) from five strips between hinge and tail base, and one behind."""
     middle, half = 0.5 * (x_hinge - x_tail), 0.5 * (x_hinge + x_tail)
     k, ga, gb = -0.5 * rho * C * span * half, 0.9061798459386640, 0.5384693101056831
     xa, xb, xc, xd = middle - ga * half, middle - gb * half, middle + gb * half, middle + ga * half
     va, vb, vm, vd, ve = vc + xa * rc, vc + xb * rc, vc + middle * rc, vc + xc * rc, vc + xd * rc
-    Ya = k * (1.0 - ga * q) * 0.2369268850561891 * va * section_drag_factor(va, e)
-    Yb = k * (1.0 - gb * q) * 0.4786286704993665 * vb * section_drag_factor(vb, e)
-    Ym = k * 0.5688888888888889 * vm * section_drag_factor(vm, e)
-    Yd = k * (1.0 + gb * q) * 0.4786286704993665 * vd * section_drag_factor(vd, e)
-    Ye = k * (1.0 + ga * q) * 0.2369268850561891 * ve * section_drag_factor(ve, e)
+    Ya = k * (1.0 - ga * q) * 0.2369268850561891 * va * section_drag_factor(va, e, speed_unit)
+    Yb = k * (1.0 - gb * q) * 0.4786286704993665 * vb * section_drag_factor(vb, e, speed_unit)
+    Ym = k * 0.5688888888888889 * vm * section_drag_factor(vm, e, speed_unit)
+    Yd = k * (1.0 + gb * q) * 0.4786286704993665 * vd * section_drag_factor(vd, e, speed_unit)
+    Ye = k * (1.0 + ga * q) * 0.2369268850561891 * ve * section_drag_factor(ve, e, speed_unit)
     xt = -x_tail - 0.5 * l_tail
     vt = vc + xt * rc
-    Yt = -0.5 * rho * C * span * l_tail * j * vt * section_drag_factor(vt, e)
+    Yt = -0.5 * rho * C * span * l_tail * j * vt * section_drag_factor(vt, e, speed_unit)
     N = xa * Ya + xb * Yb + middle * Ym + xc * Yd + xd * Ye + xt * Yt
     return 0.0, Ya + Yb + Ym + Yd + Ye + Yt, N

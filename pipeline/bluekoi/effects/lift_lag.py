@@ -73,8 +73,16 @@ def force(
 
 
 def effect_state_derivatives(
-    uh: float, vh: float, V: float, h: float, z: float, y_lag: float, s: float, e: float
+    uh: float,
+    vh: float,
+    V: float,
+    h: float,
+    time_unit: float,
+    z: float,
+    y_lag: float,
+    s: float,
+    e: float,
 ) -> tuple[float, float]:
     """Derivatives of z and y, (m/s)^(2 - e) a second; not faster than the integrator follows."""
-    rate = min(V / (s * h), 60.0)
+    rate = min(V / (s * h), 60.0 / time_unit)
     return (-2.0 * uh * vh * branchless_power(V, -e) - z) * rate, (z - y_lag) * rate

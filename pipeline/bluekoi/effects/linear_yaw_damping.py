@@ -45,7 +45,10 @@ FUNCTIONAL_FORMS = {
 }
 
 
-def force(rc: float, V: float, N_r: float, p: float, q: float) -> tuple[float, float, float]:
+def force(
+    rc: float, V: float, speed_unit: float, time_unit: float, N_r: float, p: float, q: float
+) -> tuple[float, float, float]:
     """Yaw moment alone (N m)."""
-    form = 1.0 + p * (math.sqrt(2.0 * abs(rc)) - 1.0) + q * (V / 0.3 - 1.0)
+    laminar, speed = math.sqrt(2.0 * time_unit * abs(rc)), V / (0.3 * speed_unit)
+    form = 1.0 + p * (laminar - 1.0) + q * (speed - 1.0)
     return 0.0, 0.0, -N_r * rc * form

@@ -47,23 +47,31 @@ FUNCTIONAL_FORMS = {
 }
 
 
-def sinking_time_law_s(t: float, w: float, b: float) -> float:
+def sinking_time_law_s(t: float, time_unit: float, w: float, b: float) -> float:
     """s(t) of the equations above (s)."""
-    return (1.0 + w * (0.25 * t - 1.0)) * (1.0 - exponential(-b * t)) / b
+    return (1.0 + w * (0.25 * t / time_unit - 1.0)) * (1.0 - exponential(-b * t)) / b
 
 
 def force(
-    rho: float, A: float, t: float, uc: float, vc: float, V: float, g: float, c_g: float, w: float,
-    b: float,
+    rho: float, A: float, t: float, time_unit: float, uc: float, vc: float, V: float, g: float,
+    c_g: float, w: float, b: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N)."""
-    s = -0.5 * rho * A * c_g * g * sinking_time_law_s(t, w, b) * V
+    s = -0.5 * rho * A * c_g * g * sinking_time_law_s(t, time_unit, w, b) * V
     return s * uc, s * vc, 0.0
 
 
 def observe(
-    t: float, x: float, y: float, x_cam: float, y_cam: float, g: float, w: float, b: float
+    t: float,
+    time_unit: float,
+    x: float,
+    y: float,
+    x_cam: float,
+    y_cam: float,
+    g: float,
+    w: float,
+    b: float,
 ) -> tuple[float, float, float, float]:
     """Change of what is seen (m, m, rad, rad)."""
-    s = -g * sinking_time_law_s(t, w, b)
+    s = -g * sinking_time_law_s(t, time_unit, w, b)
     return s * (x - x_cam), s * (y - y_cam), 0.0, 0.0

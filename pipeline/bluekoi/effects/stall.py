@@ -72,8 +72,8 @@ def force(
 
 
 def effect_state_derivatives(
-    vh: float, V: float, h: float, z_stall: float, s0: float, b: float, s: float
+    vh: float, V: float, h: float, time_unit: float, z_stall: float, s0: float, b: float, s: float
 ) -> tuple[float]:
     """Derivative of the separated share z (1/s), not faster than the integrator follows."""
     separated = smooth_step((abs(vh) / (V + 1e-9) - s0) / b)
-    return ((separated - z_stall) * V / (s * h + V / 60.0 + 1e-12),)
+    return ((separated - z_stall) * V / (s * h + V * time_unit / 60.0 + 1e-12),)

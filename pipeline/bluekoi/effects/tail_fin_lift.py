@@ -100,7 +100,7 @@ def force(
 
 
 def effect_state_derivatives(
-    uc: float, vc: float, rc: float, h: float, z_fin: float, a: float, s: float
+    uc: float, vc: float, rc: float, h: float, time_unit: float, z_fin: float, a: float, s: float
 ) -> tuple[float]:
     """Derivative of z (m/s2), not faster than the integrator follows.
 
@@ -108,4 +108,4 @@ def effect_state_derivatives(
     """
     w = vc - a * rc
     V = math.sqrt(uc * uc + w * w + 1e-12)
-    return ((w - z_fin) * V / (s * h + V / 60.0),)
+    return ((w - z_fin) * V / (s * h + V * time_unit / 60.0),)

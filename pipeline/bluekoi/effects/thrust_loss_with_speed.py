@@ -46,7 +46,10 @@ FUNCTIONAL_FORMS = {
 }
 
 
-def thrust(rho: float, A: float, f: float, uc: float, k: float, w: float, q: float) -> tuple[float]:
+def thrust(
+    rho: float, A: float, f: float, uc: float, length_unit: float, time_unit: float, k: float,
+    w: float, q: float,
+) -> tuple[float]:  # fmt: skip
     """Change of thrust (N)."""
-    beat = branchless_power(max(f, 1e-9) / 3.5, q)
-    return (-k * rho * A * uc * ((1.0 - w) * f + w * uc / 0.15) * beat,)
+    beat = branchless_power(max(f * time_unit, 1e-9) / 3.5, q)
+    return (-k * rho * A * uc * ((1.0 - w) * f + w * uc / (0.15 * length_unit)) * beat,)

@@ -43,8 +43,10 @@ FUNCTIONAL_FORMS = {
 
 
 def force(
-    rho: float, A: float, f: float, V: float, c: float, p: float, w: float
-) -> tuple[float, float, float]:
+    rho: float, A: float, f: float, V: float, speed_unit: float, time_unit: float, c: float,
+    p: float, w: float,
+) -> tuple[float, float, float]:  # fmt: skip
     """Yaw moment alone (N m)."""
-    hull, beat = branchless_power(max(V, 1e-9) / 0.3, 2.0 * p), f / 3.5
-    return 0.0, 0.0, 0.045 * rho * A * c * (hull + w * (beat * beat - hull))
+    V0, beat = 0.3 * speed_unit, f * time_unit / 3.5
+    hull = branchless_power(max(V, 1e-9) / V0, 2.0 * p)
+    return 0.0, 0.0, 0.5 * rho * A * c * V0 * V0 * (hull + w * (beat * beat - hull))

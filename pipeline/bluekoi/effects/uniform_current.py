@@ -42,10 +42,10 @@ FUNCTIONAL_FORMS = {
 
 
 def ambient_flow(
-    t: float, x: float, y: float, L_pool: float, W_pool: float,
+    t: float, x: float, y: float, L_pool: float, W_pool: float, time_unit: float,
     c_x: float, c_y: float, a: float, b: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Velocity of the water in the pool frame (m/s); its turning (rad/s) is left out."""
-    now = 1.0 + b * (t - 3.0) / 3.0
+    now = 1.0 + b * (t / time_unit - 3.0) / 3.0
     xi, eta = 2.0 * x / L_pool - 1.0, 2.0 * y / W_pool - 1.0
     return now * c_x * (1.0 + a * eta), now * c_y * (1.0 + a * xi), 0.0, 0.0

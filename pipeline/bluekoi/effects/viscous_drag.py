@@ -17,6 +17,8 @@ ch. 18 (turbulent).
 
 from __future__ import annotations
 
+import math
+
 from ..integrate.branchless import branchless_power
 from ..integrate.system import Parameter
 
@@ -46,8 +48,9 @@ FUNCTIONAL_FORMS = {
 
 
 def force(
-    l: float, uc: float, vc: float, V: float, k: float, p: float, h: float
+    l: float, uc: float, vc: float, V: float, speed_unit: float, k: float, p: float, h: float
 ) -> tuple[float, float, float]:
     """Surge and sway (N) and yaw (N m)."""
-    s = -0.5477225575051661 * k * branchless_power(max(V, 1e-9) / 0.3, p - 1.0)
+    V_1 = 0.3 * speed_unit
+    s = -k * math.sqrt(V_1) * branchless_power(max(V, 1e-9) / V_1, p - 1.0)
     return s * uc, s * vc, h * l * s * vc

@@ -51,11 +51,12 @@ FUNCTIONAL_FORMS = {
 
 def force(
     rho: float, A: float, psi: float, psi0: float, uc: float, vc: float, rc: float, V: float,
-    k: float, n_1: float, b: float, g: float, a: float, j: float,
+    speed_unit: float, time_unit: float, k: float, n_1: float, b: float, g: float, a: float,
+    j: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N)."""
     turns = abs(psi - psi0) / 6.283185307179586
     entered = smooth_step((turns - n_1) / b + 0.5) * (1.0 + g * max(turns - n_1, 0.0))
-    age = branchless_power(max(0.954929658551372 * abs(rc), 1e-3), a)
-    s = 0.5 * rho * A * k * entered * age * (V + j * (0.3 - V))
+    age = branchless_power(max(0.954929658551372 * time_unit * abs(rc), 1e-3), a)
+    s = 0.5 * rho * A * k * entered * age * (V + j * (0.3 * speed_unit - V))
     return s * uc, s * vc, 0.0

@@ -57,8 +57,9 @@ def wall_decay_factor(d: float, w: float) -> float:
 
 
 def force(
-    rho: float, A: float, x: float, y: float, L_pool: float, W_pool: float, cpsi: float, spsi:
-    float, uc: float, vc: float, V: float, k: float, g: float, j: float, s: float, w: float,
+    rho: float, A: float, x: float, y: float, L_pool: float, W_pool: float, length_unit: float,
+    cpsi: float, spsi: float, uc: float, vc: float, V: float, k: float, g: float, j: float,
+    s: float, w: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N) and yaw (N m)."""
     left, right = (
@@ -73,4 +74,4 @@ def force(
     drag = -k * q * (left + right + low + high)
     px, py = q * V * (right - left), q * V * (high - low)
     ahead, across = px * cpsi + py * spsi, py * cpsi - px * spsi
-    return drag * uc + g * ahead, drag * vc + g * across, 0.1 * j * across
+    return drag * uc + g * ahead, drag * vc + g * across, 0.1 * length_unit * j * across

@@ -4,7 +4,7 @@ At the speed V, the drag against the direction of motion v_hat is
 
     D = -k V_1^4 ((1 - g) (1 - o) ((1 - w) (V / V_1)^4 + w (V / V_1)^6)
                   + (1 - g) o (max(V - V_0, 0) / (V_1 - V_0))^2 + g (V / V_1)^2 R(V)) v_hat
-    R = 1 / (1 + ((V - V_c) / 0.08 m/s)^2)^2,  V_1 = 0.4 m/s
+    R = 1 / (1 + ((V - V_c) / (0.08 * speed_unit) m/s)^2)^2,  V_1 = 0.4 m/s
 
 Wave drag rises faster than the square of the speed up to the hull speed, (g L / 2 pi)^(1/2) for a
 body of the length L. The drag is a weighted sum of four formulas with the same value at V_1:
@@ -60,14 +60,14 @@ FUNCTIONAL_FORMS = {
 
 
 def force(
-    l: float, uc: float, vc: float, V: float, k: float, w: float, h: float, g: float, V_c: float,
-    o: float, V_0: float,
+    l: float, uc: float, vc: float, V: float, speed_unit: float, k: float, w: float, h: float,
+    g: float, V_c: float, o: float, V_0: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N) and yaw (N m)."""
-    z = (V - V_c) / 0.08
+    z, V_1 = (V - V_c) / (0.08 * speed_unit), 0.4 * speed_unit
     e = 1.0 + z * z
-    y, x = 6.25 * V * V, max(V - V_0, 0.0) / (0.4 - V_0)  # y = (V / V_1)^2
+    y, x = V * V / (V_1 * V_1), max(V - V_0, 0.0) / (V_1 - V_0)
     smooth = y * y * (1.0 - w + w * y)
-    D = 0.0256 * k * ((1.0 - g) * (smooth + o * (x * x - smooth)) + g * y / (e * e))
+    D = k * V_1 * V_1 * V_1 * V_1 * ((1.0 - g) * (smooth + o * (x * x - smooth)) + g * y / (e * e))
     s = -D / max(V, 1e-9)
     return s * uc, s * vc, h * l * s * vc

@@ -98,5 +98,5 @@ def small_force_noise(
     for k, slot in enumerate(disturbance_slots(problem.kernel)[:count]):
         if slot in acting:
             disturbance[k] = share * problem.noise.disturbance[k]
-            tau[k] = time_s
+            tau[k] = time_s * problem.kernel.system.time_unit_s
     return replace(noise, disturbance=disturbance, tau=tau)

@@ -151,7 +151,8 @@ def _filter_trial(
     )
     values, cov = values_with_noise_switched_on(kernel, values, shared.noise), series.cov.copy()
     cov[shared.random, shared.random] = shared.variance[shared.random]
-    on, step_s = active_effects(kernel.system, values), kernel.system.step_s or MAX_FILTER_STEP_S
+    on = active_effects(kernel.system, values)
+    step_s = kernel.system.longest_step_s(MAX_FILTER_STEP_S)
     log_likelihood = kernel.kalman(
         series.mean, cov, values, series.constants, series.times, series.inputs, series.seen,
         series.noise * shared.scales, shared.variance, shared.memory, shared.difference,

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..integrate import CompiledSystem
+from ..integrate import CompiledSystem, Parameter, System
 from .bounded_step import bounded_step
 from .filtering import FilterResults
 from .normal import NormalEquationsByTrial, trial_normal_equations
@@ -36,13 +36,17 @@ the step (sec. 4.1)."""
 
 @dataclass(frozen=True)
 class ParameterFit:
-    """A joint fit: free (p,), values (p,), the normal equations there, and a named outcome."""
+    """A joint fit: free (p,), values (p,), the normal equations there, and a named outcome.
+
+    definitions (p,): start and bounds of each free number.
+    """
 
     free: tuple[FreeParameter, ...]
     values: Float
     normal: NormalEquationsByTrial
     outcome: str
     iterations: int
+    definitions: tuple[Parameter, ...]
 
     @property
     def naive_cov(self) -> Float:
@@ -57,6 +61,11 @@ class ParameterFit:
     def by_label(self) -> dict[str, float]:
         """Fitted values by label."""
         return {f.label: float(v) for f, v in zip(self.free, self.values, strict=True)}
+
+
+def free_definitions(system: System, free: Sequence[FreeParameter]) -> tuple[Parameter, ...]:
+    """The parameter that each free number is of."""
+    return tuple(system.parameters[system.slot[f.name]] for f in free)
 
 
 def fit_parameters_jointly(
@@ -124,7 +133,9 @@ def fit_parameters_jointly(
             radius = longest * float(np.clip(top, MIN_SHRINKAGE, MAX_SHRINKAGE))
     bound = (x <= lower) | (x >= upper)
     outcome = AT_BOUND if outcome == CONVERGED and bound.any() else outcome
-    return ParameterFit(tuple(free), x, normal, outcome, count)
+    return ParameterFit(
+        tuple(free), x, normal, outcome, count, free_definitions(kernel.system, free)
+    )
 
 
 def _is_small(normal: NormalEquationsByTrial, change: Float, tolerance: float) -> bool:

@@ -26,7 +26,7 @@ from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import map_ranges_in_threads, simulate_batch
 from .bounded_step import bounded_step
 from .gram import set_products
-from .joint_fit import CONVERGED, STALLED, ParameterFit
+from .joint_fit import CONVERGED, STALLED, ParameterFit, free_definitions
 from .normal import NormalEquationsByTrial
 from .padded import PaddedTrials, padded_trials
 from .predictions import slots_by_name
@@ -99,7 +99,9 @@ def fit_trajectories(
                             iterations=iterations if whole else COARSE_ITERATIONS,
                             tolerance=tolerance if whole else 1.0)  # fmt: skip
     normal, _ = _eliminate_starts(at.blocks, 0.0)
-    return TrajectoryFit(ParameterFit(tuple(free), at.x, normal, at.outcome, at.count), at.starts)
+    found = ParameterFit(tuple(free), at.x, normal, at.outcome, at.count,
+                         free_definitions(kernel.system, free))  # fmt: skip
+    return TrajectoryFit(found, at.starts)
 
 
 @dataclass(frozen=True)
@@ -181,7 +183,7 @@ def _error_and_slope_products(
     observed, _ = simulate_batch(
         problem.kernel, state, values, problem.constants[trials], times=problem.times[trials],
         inputs=problem.inputs[trials], frames=problem.frames[trials],
-        step_s=problem.kernel.system.step_s or problem.step_s,
+        step_s=problem.kernel.system.longest_step_s(problem.step_s),
     )  # fmt: skip
     seen, weight = (np.ascontiguousarray(a[trials]) for a in (problem.seen, problem.weight))
     out = np.empty((len(state), 1 + len(size), 1 + len(size)))

@@ -106,6 +106,6 @@ def _predicted_observations(
         np.repeat(constants[:, :, None], LANES, axis=2),
         times=of_blocks(passes.times), inputs=of_blocks(passes.inputs),
         frames=of_blocks(passes.frames), seen=of_blocks(passes.seen),
-        gains=of_blocks(passes.gains), step_s=kernel.system.step_s or MAX_FILTER_STEP_S,
+        gains=of_blocks(passes.gains), step_s=kernel.system.longest_step_s(MAX_FILTER_STEP_S),
     )  # fmt: skip
     return observed

@@ -12,7 +12,6 @@ import numpy as np
 from scipy.special import chdtri
 
 from ..data import Float
-from ..integrate import CompiledSystem
 from .joint_fit import ParameterFit, regularised_fisher_inverse
 from .normal import NormalEquationsByTrial
 from .sandwich import ClusterCovariance
@@ -104,10 +103,9 @@ def _inverse_without_each_trial(total: Float, own: Float, power: float) -> Float
     return (back / share) @ np.swapaxes(back, 1, 2)
 
 
-def off_bounds(kernel: CompiledSystem, found: ParameterFit) -> np.ndarray:
+def off_bounds(found: ParameterFit) -> np.ndarray:
     """Which fitted numbers are off their bounds, (p,)."""
-    parameters = [kernel.system.parameters[kernel.system.slot[f.name]] for f in found.free]
-    inside = [p.lower < v < p.upper for p, v in zip(parameters, found.values, strict=True)]
+    inside = [p.lower < v < p.upper for p, v in zip(found.definitions, found.values, strict=True)]
     return np.array(inside, dtype=bool)
 
 

@@ -39,7 +39,7 @@ def side_measurement_terms(
     for name in sorted({name for s in series for name in s.evidence}):
         value, std = np.array([s.evidence.get(name, NO_INFORMATION) for s in series]).T
         found, slopes = predict_side_measurement(
-            kernel.system, name, np.array(points), trial_input_means(series)
+            kernel.system, name, np.array(points), trial_arguments(series)
         )
         error = (value - found) / std
         rows = slopes[:, slots] * own / std[:, None]
@@ -76,23 +76,25 @@ def _shared_terms(
     return J.T @ J, -J.T @ error, -0.5 * float(error @ error)
 
 
-def trial_input_means(series: Sequence[TrialSeries]) -> Float:
-    """Means of the inputs and of the time in the trials (t, inputs + 1)."""
-    return np.array([[*s.inputs.mean(axis=0), s.times.mean()] for s in series])
+def trial_arguments(series: Sequence[TrialSeries]) -> Float:
+    """Means of the inputs and of the time in the trials, and their constants (t, inputs + 1 +
+    constants).
+    """
+    return np.array([[*s.inputs.mean(axis=0), s.times.mean(), *s.constants] for s in series])
 
 
 def predict_side_measurement(
-    system: System, name: str, points: Float, means: Float
+    system: System, name: str, points: Float, arguments: Float
 ) -> tuple[Float, Float]:
-    """Prediction of a side measurement (t,) at parameters (t, parameters), and its slopes; means:
-    `trial_input_means`.
+    """Prediction of a side measurement (t,) at parameters (t, parameters), and its slopes;
+    arguments: `trial_arguments`.
     """
     weights = _linear_weights(system, name)
     value, slopes = points @ weights, np.tile(weights, (len(points), 1))
     for effect in system.effects:
         function = effect.evidence.get(name)
         if callable(function):
-            at = _arguments(system, effect, function, points, means)
+            at = _arguments(system, effect, function, points, arguments)
             value += _evaluate_rows(function, at)
             names = list(inspect.signature(function).parameters)
             for row in (p for p in effect.parameters if p.name in effect.informs[name]):
@@ -106,12 +108,15 @@ def predict_side_measurement(
 
 
 def _arguments(
-    system: System, effect: Effect, function: Function, points: Float, means: Float
+    system: System, effect: Effect, function: Function, points: Float, arguments: Float
 ) -> Float:
-    """Arguments (t, arguments) of a prediction: parameters of the effect, inputs and the time t."""
+    """Arguments (t, arguments) of a prediction: parameters of the effect, inputs, the time t and
+    constants.
+    """
     slots = {p.argument: system.slot[f"{effect.name}.{p.name}"] for p in effect.parameters}
+    names = (*system.inputs, "t", *system.constants)
     return np.column_stack([
-        points[:, slots[a]] if a in slots else means[:, (*system.inputs, "t").index(a)]
+        points[:, slots[a]] if a in slots else arguments[:, names.index(a)]
         for a in inspect.signature(function).parameters
     ])  # fmt: skip
 

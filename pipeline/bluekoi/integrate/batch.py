@@ -59,7 +59,7 @@ def simulate_batch(
     gains = np.zeros((blocks, 0, n_states, n_obs)) if gains is None else gains
     on = _active_in_blocks(kernel.system, values)
     changes = np.flatnonzero((on[1:] != on[:-1]).any(axis=1)) + 1
-    step_s = step_s or kernel.system.step_s or MAX_STEP_S
+    step_s = step_s or kernel.system.longest_step_s(MAX_STEP_S)
     flat = [np.ascontiguousarray(a, dtype=np.float64).ravel() for a in (state, values, constants)]
     times = np.ascontiguousarray(times, dtype=np.float64)
     rest = [np.ascontiguousarray(a, dtype=np.float64) for a in (inputs, seen, gains)]

@@ -79,12 +79,12 @@ class Effect:
     form. hooks: stage name -> function whose outputs are added there. states: names of states of
     its own, all starting at 0, with `rates` giving their derivatives. evidence: names of quantities
     that are measured directly -> parameter -> their change per unit of the parameter; or -> a
-    function that predicts the quantity from parameters, means of inputs in a trial, and the time t.
-    starts: strengths from which fits begin, where one start may lead astray. forms: name of a
-    variant -> values of the shape parameters that give it, where they differ from their starts. A
-    search tries each of them. The prior of a shape parameter is so wide that every form lies within
-    two standard deviations of the start. needs_both_sides: whether it is a difference between turns
-    to port and to starboard, which turns to one side cannot show.
+    function that predicts the quantity from parameters, the means of inputs and time t in a trial,
+    and its constants. starts: strengths from which fits begin, where one start may lead astray.
+    forms: name of a variant -> values of the shape parameters that give it, where they differ from
+    their starts. A search tries each of them. The prior of a shape parameter is so wide that every
+    form lies within two standard deviations of the start. needs_both_sides: whether it is a
+    difference between turns to port and to starboard, which turns to one side cannot show.
     """
 
     name: str
@@ -130,7 +130,7 @@ class System:
     arguments that stages may ask for. Stage `rates` must return one derivative a state, stage
     `observe` one value an observation. zero_order_hold: inputs that keep the value of a frame
     until the next one; the others run linearly between frames. step_s: longest integration
-    step; None for the default of the caller.
+    step; None for the default of the caller, times `time_unit_s`.
     """
 
     name: str
@@ -143,6 +143,11 @@ class System:
     effects: tuple[Effect, ...] = ()
     zero_order_hold: tuple[str, ...] = ()
     step_s: float | None = None
+    time_unit_s: float = 1.0
+
+    def longest_step_s(self, default_s: float) -> float:
+        """Longest integration step: the system's own, or a default for a time unit of 1 s."""
+        return self.step_s or default_s * self.time_unit_s
 
     @cached_property
     def all_states(self) -> tuple[str, ...]:

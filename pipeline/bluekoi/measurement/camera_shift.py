@@ -33,8 +33,8 @@ EFFECT_PARAMETERS = (
 
 
 def observe(
-    t: float, t_shift: float, x_shift: float, y_shift: float, dx: float, dy: float
+    t: float, time_unit: float, t_shift: float, x_shift: float, y_shift: float, dx: float, dy: float
 ) -> tuple[float, float, float, float]:
     """Change of what is seen (m, m, rad, rad)."""
-    late = smooth_step((t - t_shift) * 30.0)
+    late = smooth_step((t - t_shift) * 30.0 / time_unit)
     return late * (x_shift * dx - y_shift * dy), late * (y_shift * dx + x_shift * dy), 0.0, 0.0

@@ -36,14 +36,14 @@ FUNCTIONAL_FORMS = {
 }
 
 
-def predicted_tail_beat_drift(k: float, d: float) -> float:
+def predicted_tail_beat_drift(time_unit: float, k: float, d: float) -> float:
     """Relative change of the tail beat's frequency in the video per second (1/s)."""
-    return k * d / 3.0
+    return k * d / (3.0 * time_unit)
 
 
-def relative_clock_error(t: float, k: float, d: float) -> float:
+def relative_clock_error(t: float, time_unit: float, k: float, d: float) -> float:
     """Relative difference of the tail beat in the video from the motor's, at the time t."""
-    return k * (1.0 + d * (t - 3.0) / 3.0)
+    return k * (1.0 + d * (t / time_unit - 3.0) / 3.0)
 
 
 SIDE_MEASUREMENT_PREDICTIONS = {
@@ -53,6 +53,8 @@ SIDE_MEASUREMENT_PREDICTIONS = {
 }
 
 
-def true_time_rate(t: float, clock_part: float, k: float, d: float) -> tuple[float]:
+def true_time_rate(
+    t: float, time_unit: float, clock_part: float, k: float, d: float
+) -> tuple[float]:
     """Change of the rate of true time."""
-    return (clock_part * k * (1.0 + d * (t - 3.0) / 3.0),)
+    return (clock_part * k * (1.0 + d * (t / time_unit - 3.0) / 3.0),)

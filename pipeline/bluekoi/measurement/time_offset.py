@@ -35,9 +35,10 @@ STRENGTH_START_VALUES = (0.15, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3)
 
 
 def thrust(
-    t: float, t_start: float, rho: float, A: float, f: float, C_T: float, d: float
-) -> tuple[float]:
+    t: float, t_start: float, time_unit: float, rho: float, A: float, f: float, C_T: float,
+    d: float,
+) -> tuple[float]:  # fmt: skip
     """Thrust that is not there yet (N); nothing where d is 0."""
-    since = t - t_start
-    late = smooth_step(since * 10.0 + 0.5) - smooth_step((since - d) * 10.0 + 0.5)
+    since, switched = t - t_start, 0.1 * time_unit
+    late = smooth_step(since / switched + 0.5) - smooth_step((since - d) / switched + 0.5)
     return (-C_T * 0.5 * rho * A * f * f * late,)

@@ -39,8 +39,9 @@ NULL_DISTRIBUTION_TAIL_FACTOR = 1.5
 moments, 2 log(29,000): prediction errors have longer tails than a normal distribution.
 """
 IGNORED_AFTER_START_S = 0.8
-"""Duration after a trial's start in which all paths bend at once, so that missing physics looks
-like a displacement: a motor that spins up, beside three other causes, reached lambda = 105.
+"""Duration after the start of a trial, for the published robot, in which all paths bend at once, so
+that missing physics looks like a displacement: a motor that spins up, beside three other causes,
+reached lambda = 105.
 """
 
 
@@ -69,11 +70,11 @@ def detect_displacements(
 
     values: full parameter vectors, one a trial.
     """
-    filtered = filter_all(kernel, series, values, noise)
+    filtered, unit = filter_all(kernel, series, values, noise), kernel.system.time_unit_s
     long = [
         (s, v, f)
         for s, v, f in zip(series, values, filtered, strict=True)
-        if len(_tested_times_s(s))
+        if len(_tested_times_s(s, unit))
     ]
     if not long:
         return []
@@ -87,7 +88,7 @@ def detect_displacements(
             - np.log(DISPLACEMENT_PRIOR_PROBABILITY)
         )
         if ratio[k] / median > threshold:
-            out.append(CameraDisplacement(one.name, float(_tested_times_s(one)[k]), size[k],
+            out.append(CameraDisplacement(one.name, float(_tested_times_s(one, unit)[k]), size[k],
                                           float(ratio[k] / median), len(ratio)))  # fmt: skip
     return out
 
@@ -109,10 +110,10 @@ def with_displacements(
     return out
 
 
-def _tested_times_s(one: TrialSeries) -> Float:
+def _tested_times_s(one: TrialSeries, time_unit_s: float) -> Float:
     """Middles between frames, not too near the ends, after the launch."""
     middles = 0.5 * (one.times[3:-3] + one.times[4:-2])
-    later = middles[middles > one.times[0] + IGNORED_AFTER_START_S]
+    later = middles[middles > one.times[0] + IGNORED_AFTER_START_S * time_unit_s]
     return later if len(later) else middles
 
 
@@ -120,7 +121,7 @@ def _level_shift_glr(
     kernel: CompiledSystem, one: TrialSeries, values: Float, filtered: FilteredTrial, noise: Noise
 ) -> tuple[Float, Float]:
     """The lambda (moments,) and best displacement (moments, 2) of a trial."""
-    moments = _tested_times_s(one)
+    moments = _tested_times_s(one, kernel.system.time_unit_s)
     seen = _predictions_with_displacements(
         kernel, one, values, filtered, noise=noise, moments=moments
     )
@@ -163,6 +164,6 @@ def _predictions_with_displacements(
              np.nan_to_num(one.seen), filtered.gains)]  # fmt: skip
     seen, _ = simulate_batch(kernel, state, parameters, constants, times=tiled[0], inputs=tiled[1],
                              frames=np.full(count, n), seen=tiled[2], gains=tiled[3],
-                             step_s=MAX_FILTER_STEP_S)  # fmt: skip
+                             step_s=system.longest_step_s(MAX_FILTER_STEP_S))  # fmt: skip
     lanes = [seen[b, :, :, 1 : 1 + 2 * len(group)] for b, group in enumerate(groups)]
     return np.concatenate([seen[0, :, :, :1], *lanes], axis=2)

@@ -29,12 +29,12 @@ from ..fitting import (
     fit_trajectories,
     missing_force,
 )
-from ..integrate import CompiledSystem, compile_system
+from ..integrate import CompiledSystem
 from ..integrate.batch import threaded_map
-from ..model import is_residual, two_plate_system
+from ..model import is_residual
 from ..study import Study
 from ..study.data_split import has_trial_roles, held_out_trials
-from ..tuning import JointFit, downsampled, fit_all_trials, steady_errors
+from ..tuning import JointFit, downsampled, fit_all_trials, steady_errors, trial_kernel
 from .camera_displacement import CameraDisplacement, detect_displacements, with_displacements
 from .drift import CameraDrift, trial_with_camera_drift
 from .extended_model import fit_extended
@@ -47,9 +47,8 @@ MIN_FORCE_UNIT_SHARE_OF_BASELINE = 0.1
 this share of the baseline's: a random force that a fit estimates as 0 is no unit. Only for the
 choice of what the figures show."""
 SEARCH_RATE_HZ = 5.0
-"""Observations a second in the search: what acts for a second or longer loses nothing, and the
-time is half that of ten. The chosen set is fitted to ten.
-"""
+"""Observations a second in the search, for the published robot: what acts for a second or longer
+loses nothing, and the time is half that of ten. The chosen set is fitted to ten."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +92,7 @@ def find_mismatch(
     progress: Callable[[str], None],
 ) -> MismatchResult:
     """`MismatchResult` for the measured trials of a study."""
-    kernel = compile_system(two_plate_system())
+    kernel = trial_kernel(series)
     held_out = held_out_trials(study, [s.name for s in series])
     progress("baseline")
     averaged, coarse = downsampled(series), downsampled(series, SEARCH_RATE_HZ)

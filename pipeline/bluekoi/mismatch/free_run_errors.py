@@ -27,8 +27,10 @@ from ..fitting import (
 from ..fitting.trial_effects import drawn_trial_effects, points_with_effects
 from ..integrate import CompiledSystem
 from ..integrate.batch import threaded_map
+from ..model import trial_units
 from ..study import Study
 from ..tuning import JointFit
+from ..tuning.similar_robots import similar_state_std
 from ..tuning.stability import predictability_horizon_s
 
 NOISE_FLOOR_SEED = 20240517
@@ -42,8 +44,10 @@ MAX_STD_RATIO = 5.0
 must not make up half of the error of six paths.
 """
 PARABOLA_STATE_STD = np.array([0.1, 0.1, 0.1, 0.2, 0.2, 1.0])
-"""Standard deviations of a state estimated from nearby frames: m, m, rad, m/s, m/s, rad/s; of the
-position as much as the centre of mass may be off the keypoint."""
+"""Standard deviations of a state estimated from nearby frames, for the published robot: m, m, rad,
+m/s, m/s, rad/s; of the position as much as the centre of mass may be off the keypoint."""
+PARABOLA_HALF_WINDOW_S = 0.25
+"""Frames from which a state is estimated are so near, for the published robot."""
 
 
 @dataclass(frozen=True)
@@ -134,7 +138,8 @@ def _cut_segment(series: TrialSeries, first: int, last: int) -> TrialSeries:
         return series.frames(first, last)
     mean, cov = series.mean.copy(), series.cov.copy()
     mean[:6] = _state_by_parabola(series, first)
-    cov[np.arange(6), np.arange(6)] = PARABOLA_STATE_STD**2
+    std = similar_state_std(trial_units(series.constants), PARABOLA_STATE_STD)
+    cov[np.arange(6), np.arange(6)] = std**2
     return replace(series.frames(first, last), mean=mean, cov=cov)
 
 
@@ -142,7 +147,8 @@ def _state_by_parabola(series: TrialSeries, frame: int) -> Float:
     """x, y, heading, surge, sway and yaw rate at a frame, by a parabola over nearby frames."""
     time = series.times[frame]
     known = np.all(np.isfinite(series.seen), axis=1)
-    near = known & (np.abs(series.times - time) < 0.25)
+    half_window = PARABOLA_HALF_WINDOW_S * trial_units(series.constants).time
+    near = known & (np.abs(series.times - time) < half_window)
     if near.sum() < 4:
         near = known
     c = np.polynomial.polynomial.polyfit(series.times[near] - time, series.seen[near][:, :3], 2)

@@ -9,9 +9,10 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import TrialSeries, trial_parameter_vector
-from ..integrate import CompiledSystem, compile_system
-from ..model import simulate, two_plate_system
+from ..integrate import CompiledSystem
+from ..model import simulate
 from ..study import Study
+from ..tuning import trial_kernel
 from .find import MismatchResult
 
 
@@ -19,7 +20,7 @@ def next_trial_json(
     found: MismatchResult, study: Study, series: Sequence[TrialSeries]
 ) -> dict[str, Any]:
     """The trial in which the two most probable sets of causes differ most."""
-    kernel, sets = compile_system(two_plate_system()), found.posterior.sets
+    kernel, sets = trial_kernel(series), found.posterior.sets
     order = np.argsort(-found.posterior.probability)
     first = found.model
     other = next((sets[i].model for i in order if sets[i].model.key != first.key), first)

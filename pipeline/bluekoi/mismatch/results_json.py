@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 from ..engine import NamedCause
@@ -11,7 +12,7 @@ from ..engine.naming import UNLISTED_FORCE_LABEL
 from ..explain.results_json import rival_rows
 from ..fitting import TrialSeries
 from ..integrate import Effect
-from ..model import is_residual, residual_channels, two_plate_system
+from ..model import is_residual, residual_channels, robot_units, two_plate_system
 from ..study import Study
 from .extended_model import estimates_by_label
 from .find import MismatchResult
@@ -41,6 +42,7 @@ def mismatch_json(
             "noise_floor_path_rmse_m": found.floor_m,
             "stretch_s": found.stretch_s,
         },
+        "robot_units": asdict(robot_units(study.setup.robot)),
         "overdispersion": found.posterior.best.overdispersion,
         "warnings": list(found.warnings),
         "next_trial": next_trial_json(found, study, series),

@@ -33,12 +33,13 @@ from ..camera.rigid_distances import (
 from ..data import Float
 from ..fitting import SharedMeasurement
 from ..integrate import Effect, System, elementwise
+from ..model.similarity import unit_dimensions
 from .robot_problem import LABEL_STD_M, UNKNOWN_DEPTH_STD_SHARE
 
 CALIBRATION_ERROR_STD = {"lens_error": 0.0005, "uncorrected_refraction": 0.001}
 """Strengths of errors that a careful calibration leaves: those that change lengths by
 `SYSTEMATIC_LENGTH_ERROR_SHARE`, 0.05 %, about a metre from the middle (1/m2), and a depth wrong by
-2 mm seen from 1.5 m."""
+2 mm seen from 1.5 m; for the published robot, others are filmed from as many body lengths."""
 PRIOR_MAGNITUDE_RATIO = 3.0
 """While variances are estimated, strengths have normal priors of this many plausible magnitudes:
 80 % of the Cauchy prior of a strength lies within tan(0.4 pi) = 3.1 of them."""
@@ -202,12 +203,14 @@ def _nuisance_patterns(
     reach = np.maximum(np.ptp(middle, axis=0), known.max())
     x, y = ((middle - middle.mean(axis=0)) / reach).T * 2.0
     groups += [("smooth", known * term, systematic) for term in (1.0, x, y, x * x, x * y, y * y)]
-    for name, size in CALIBRATION_ERROR_STD.items():
+    for name, published in CALIBRATION_ERROR_STD.items():
+        own = next(e for e in camera.effects if e.name == name)
+        power = unit_dimensions(own.parameters[0].unit)[1]
+        size = published * camera.constants["length_unit"] ** power
         known_depth = depth_given or name != "uncorrected_refraction"
         std = size if known_depth else UNKNOWN_DEPTH_STD_SHARE
-        effect = next(e for e in camera.effects if e.name == name)
-        unit = (1.0, *np.zeros(effect.strengths - 1), *_tried_shape_values(effect)[0])
-        groups.append(("calibrated", camera.excess(effect, unit), std))
+        unit = (1.0, *np.zeros(own.strengths - 1), *_tried_shape_values(own)[0])
+        groups.append(("calibrated", camera.excess(own, unit), std))
     kind = np.array([g[0] for g in groups])
     columns, stds = (np.array([g[k] for g in groups]) for k in (1, 2))
     return _NuisancePatterns(columns.T, stds**2, kind == "label", kind == "trial")

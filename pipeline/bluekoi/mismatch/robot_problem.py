@@ -10,9 +10,9 @@ import numpy as np
 from ..engine import CauseSearchProblem, Priors, candidates_of
 from ..fitting import TrialEffect, TrialSeries
 from ..integrate import CompiledSystem, System
-from ..model import MOTION_VARIABLES, residual_channels_and_variables
+from ..model import MOTION_VARIABLES, RobotUnits, residual_channels_and_variables
 from ..model.plates import CONTROL_INPUT_NAMES
-from ..tuning import JointFit
+from ..tuning import JointFit, units_of_trials
 from .camera_displacement import (
     CAMERA_SHIFT_EFFECT,
     NULL_DISTRIBUTION_TAIL_FACTOR,
@@ -25,19 +25,11 @@ FREQUENCY_STD_SHARE = 0.003  # ASSUME the log's flapping frequency is right to 0
 PRIORS = Priors(cause=0.03, unlisted=0.10, likely={"tail_fin_lift": 0.5})
 """About one of 30 causes acts in a study, one study in ten has a force that is not listed, and the
 published model cannot swim straight without a fin (docs/paper.md, Audit)."""
-LABEL_STD_M = 0.001  # ASSUME keypoints are labelled to 1 mm on the body
+LABEL_STD_M = 0.001  # ASSUME keypoints are labelled to 1 mm on the published body
 CORE_LABEL_DISTANCE_M, HEAD_LABEL_DISTANCE_M = (
     0.2,
     0.12,
 )  # lengths over which labels define the directions of core and head
-LABEL_OFFSET_STDS = {
-    "keypoint_bias.forward_offset": LABEL_STD_M,
-    "keypoint_bias.left_offset": LABEL_STD_M,
-    "keypoint_bias.heading_offset": LABEL_STD_M / CORE_LABEL_DISTANCE_M,
-    "keypoint_bias.head_angle_offset": LABEL_STD_M
-    * float(np.hypot(1 / CORE_LABEL_DISTANCE_M, 1 / HEAD_LABEL_DISTANCE_M)),
-}
-"""A lasting offset of a label within 1 mm is careful work, not a measurement error to be named."""
 UNKNOWN_DEPTH_STD_SHARE = 0.02
 """Error of positions, as a share, where the keypoints' depth is not known: those d below the plane
 are seen too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
@@ -83,10 +75,27 @@ def robot_problem(
         coefficients=baseline.fit.free,
         candidates=with_constant_clock_error(candidates, series),
         noise=replace(baseline.noise, trial_effects=_trial_effects(baseline)),
-        tolerances=LABEL_OFFSET_STDS | (HOMOGRAPHY_TOLERANCES if by_homography else {}),
+        tolerances=label_offset_stds(units_of_trials(series))
+        | (HOMOGRAPHY_TOLERANCES if by_homography else {}),
         state_variables=MOTION_VARIABLES,
         progress=progress,
     )
+
+
+def label_offset_stds(units: RobotUnits) -> dict[str, float]:
+    """Parameters of `keypoint_bias` -> lasting offset (m, rad) that is careful work, not an error
+    of the measurement to be named; labels are placed by parts of the body, so that it goes with the
+    length of the robot.
+    """
+    heading = LABEL_STD_M / CORE_LABEL_DISTANCE_M
+    return {
+        "keypoint_bias.forward_offset": LABEL_STD_M * units.length,
+        "keypoint_bias.left_offset": LABEL_STD_M * units.length,
+        "keypoint_bias.heading_offset": heading,
+        "keypoint_bias.head_angle_offset": float(
+            np.hypot(heading, LABEL_STD_M / HEAD_LABEL_DISTANCE_M)
+        ),
+    }
 
 
 def undetermined_causes(system: System, series: Sequence[TrialSeries]) -> list[str]:

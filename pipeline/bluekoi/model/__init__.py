@@ -1,11 +1,20 @@
 """The two-plate model: Eqs. 1 to 8, the effects that may be added, and simulations of both."""
 
 from ..observation import OBSERVED_QUANTITIES
-from .plates import HYDRODYNAMIC_COEFFICIENTS, effect_names, is_residual, two_plate_system
+from .plates import (
+    HYDRODYNAMIC_COEFFICIENTS,
+    effect_names,
+    is_residual,
+    robot_system,
+    trial_system,
+    trial_units,
+    two_plate_system,
+)
 from .published import PUBLISHED_FLAP_HZ, PUBLISHED_UNITS_NOTE, TABLE_1, TABLE_2_PCT
 from .residual import MOTION_VARIABLES
 from .residual import channels_and_variables as residual_channels_and_variables
 from .residual import channels_of_residual_term as residual_channels
+from .similarity import RobotUnits, robot_units
 from .simulation import (
     Simulation,
     constants_of_robot_trial,

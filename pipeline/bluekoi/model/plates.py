@@ -7,9 +7,19 @@ from functools import lru_cache
 from importlib import import_module
 
 from .. import effects, measurement, observation
+from ..data import Float
 from ..integrate import Effect, Parameter, Stage, System, effect_from_module
 from ..observation import tracking_error
 from . import disturbance, equations, near_speed, periodic, residual
+from .similarity import (
+    PUBLISHED_MASS_KG,
+    PUBLISHED_ROBOT,
+    RobotSize,
+    RobotUnits,
+    robot_units,
+    similar_effect,
+    similar_parameter,
+)
 
 HYDRODYNAMIC_COEFFICIENTS = (
     Parameter("C_T", "m2", 4.5e-3, 1e-5, 0.2, "thrust over 1/2 rho A f^2"),
@@ -19,7 +29,8 @@ HYDRODYNAMIC_COEFFICIENTS = (
     Parameter("C_Ma", "m", 0.1, -1.0, 2.0, "moment over sin 2 alpha"),
     Parameter("C_Md", "kg m2", 0.12, -0.1, 5.0, "damping of the yaw rate squared"),
 )
-"""Coefficients of the published model with unit, start value, bounds and meaning."""
+"""Coefficients of the published model with unit, start value, bounds and meaning, for the published
+robot."""
 
 DYNAMICS = (
     Stage("actuation_inputs", ("phi", "f"), equations.actuation_inputs, open=True),
@@ -45,9 +56,10 @@ ROBOT_STATE_NAMES = ("x", "y", "psi", "u", "v", "r")
 """States: position in the pool, heading of the core, surge, sway, yaw rate."""
 DYNAMICS_CONSTANT_NAMES = (
     "rho", "A", "A_ref", "l", "m", "I", "h", "span", "length", "x_hinge", "x_tail",
-    "l_tail", "L_pool", "W_pool", "psi0", "t_start",
+    "l_tail", "L_pool", "W_pool", "psi0", "t_start", "length_unit", "speed_unit", "time_unit",
 )  # fmt: skip
-"""Constants of the equations of motion; those of the observation model follow them."""
+"""Constants of the equations of motion; those of the observation model follow them. The units are
+those of the robot over those of the published one (`similarity`)."""
 CONTROL_INPUT_NAMES = ("head_angle", "flap_hz")
 """Inputs: head angle and flapping frequency."""
 
@@ -80,16 +92,39 @@ def _residual_effect_names() -> frozenset[str]:
     return frozenset(effect.name for effect in all_effects() if effect.kind == residual.EFFECT_KIND)
 
 
-@lru_cache(maxsize=1)
-def two_plate_system() -> System:
-    """The paper's model with every effect that may extend it."""
+@lru_cache(maxsize=64)
+def two_plate_system(units: RobotUnits = PUBLISHED_ROBOT) -> System:
+    """The paper's model with every effect that may extend it.
+
+    units: of the robot, from which the parameters' starts, bounds and plausible magnitudes follow.
+    """
     return System(
         name="plates",
         states=ROBOT_STATE_NAMES,
         constants=(*DYNAMICS_CONSTANT_NAMES, *observation.constant_names()),
         inputs=CONTROL_INPUT_NAMES,
-        coefficients=HYDRODYNAMIC_COEFFICIENTS,
+        coefficients=tuple(similar_parameter(p, units) for p in HYDRODYNAMIC_COEFFICIENTS),
         stages=MODEL_EQUATION_STAGES,
         observations=observation.OBSERVED_QUANTITIES,
-        effects=all_effects(),
+        effects=tuple(similar_effect(e, units) for e in all_effects()),
+        time_unit_s=units.time,
     )
+
+
+def robot_system(robot: RobotSize) -> System:
+    """`two_plate_system` with the starts, bounds and plausible magnitudes of a robot."""
+    return two_plate_system(robot_units(robot))
+
+
+def trial_units(constants: Float) -> RobotUnits:
+    """`RobotUnits` of the robot in a trial, by the constants (constants,) of the trial."""
+    names = DYNAMICS_CONSTANT_NAMES
+    mass, length, time = (
+        float(constants[names.index(name)]) for name in ("m", "length_unit", "time_unit")
+    )
+    return RobotUnits(mass / PUBLISHED_MASS_KG, length, time)
+
+
+def trial_system(constants: Float) -> System:
+    """`robot_system` of the robot in a trial, by the constants (constants,) of the trial."""
+    return two_plate_system(trial_units(constants))

@@ -10,8 +10,9 @@
 
 each term with a strength of its own, x and y from the middle of the pool, alpha the angle of attack
 of the head, e = exp(-t / 2 s), and R(c) = 1 / (1 + ((f - c) / 0.6 Hz)^2)^2 a peak at the flapping
-frequency c (`near_speed` has a peak at a speed). Fitted where a mismatch fits none of the named
-causes: it models the force and says where it acts.
+frequency c (`near_speed` has a peak at a speed). The times and frequencies are those of a robot of
+the published length; those of others follow from `similarity`. Fitted where a mismatch fits none of
+the named causes: it models the force and says where it acts.
 """
 
 from __future__ import annotations
@@ -97,9 +98,9 @@ def channels_of_residual_term(term: str) -> tuple[str, ...]:
 def force(
     t: float, f: float, x: float, y: float, uc: float, vc: float, r: float, uh: float, vh:
     float, V: float, sphi: float, cpsi: float, spsi: float, L_pool: float, W_pool: float,
-    surge_u: float, surge_u3: float, surge_fu: float, surge_r2: float, surge_v2: float,
-    surge_t_u2: float, surge_f2_sin2phi: float, surge_f: float, surge_f3: float, surge_x_u2:
-    float, surge_y_u2: float, surge_f2_near_2p5Hz: float, surge_f2_near_3p5Hz: float,
+    time_unit: float, surge_u: float, surge_u3: float, surge_fu: float, surge_r2: float,
+    surge_v2: float, surge_t_u2: float, surge_f2_sin2phi: float, surge_f: float, surge_f3: float,
+    surge_x_u2: float, surge_y_u2: float, surge_f2_near_2p5Hz: float, surge_f2_near_3p5Hz: float,
     surge_f2_near_4p5Hz: float, sway_v: float, sway_v_absv: float, sway_uv: float, sway_ur:
     float, sway_r: float, sway_r_absr: float, sway_f2_sinphi: float, sway_u2_sinphi: float,
     sway_constant: float, sway_f2: float, sway_early: float, yaw_r: float, yaw_v: float, yaw_uv:
@@ -116,14 +117,15 @@ def force(
     velocity.
     """
     jet, wave = f * f * sphi, -4.0 * uh * vh * (uh * uh - vh * vh) / (V * V)
-    q12, q13, q14 = (f - 2.5) / 0.6, (f - 3.5) / 0.6, (f - 4.5) / 0.6
+    beat = f * time_unit
+    q12, q13, q14 = (beat - 2.5) / 0.6, (beat - 3.5) / 0.6, (beat - 4.5) / 0.6
     e12, e13, e14 = 1.0 + q12 * q12, 1.0 + q13 * q13, 1.0 + q14 * q14
     resonance = (
         surge_f2_near_2p5Hz / (e12 * e12)
         + surge_f2_near_3p5Hz / (e13 * e13)
         + surge_f2_near_4p5Hz / (e14 * e14)
     )
-    fading = exponential(-0.5 * t)
+    fading = exponential(-0.5 * t / time_unit)
     mx, my = x - 0.5 * L_pool, y - 0.5 * W_pool
     px = (pool_strain - pool_spring) * mx - pool_swirl * my + pool_x
     py = -(pool_spring + pool_strain) * my + pool_swirl * mx + pool_y

@@ -13,7 +13,8 @@ from ..integrate import LANES, compile_system
 from ..integrate.batch import MAX_STEP_S, in_lanes, simulate_batch
 from ..observation import CameraErrorInputs
 from ..study import Pool, Robot, Water
-from .plates import DYNAMICS_CONSTANT_NAMES, two_plate_system
+from .plates import DYNAMICS_CONSTANT_NAMES, robot_system, trial_system
+from .similarity import RobotUnits, robot_units
 
 
 @dataclass(frozen=True)
@@ -54,14 +55,16 @@ class RobotAndPool(Protocol):
 
 def constants_of_robot_trial(
     setup: RobotAndPool, head_length_m: float, *, heading_rad: float = 0.0, start_s: float = 0.0,
-    view: CameraErrorInputs | None = None,
+    view: CameraErrorInputs | None = None, units: RobotUnits | None = None,
 ) -> Float:  # fmt: skip
     """Constants of one trial in the order of `two_plate_system().constants`, (constants,).
 
     heading_rad: at the start. start_s: when the motor starts. view: how the trial is seen;
-    without, no measurement errors.
+    without, no measurement errors. units: of the robot whose effects are simulated, where it is
+    another one.
     """
     robot, pool = setup.robot, setup.pool
+    units = units or robot_units(robot)
     values = {
         "rho": setup.water.density_kg_m3,
         "A": robot.head_area_m2(head_length_m),
@@ -79,6 +82,9 @@ def constants_of_robot_trial(
         "W_pool": pool.width_m,
         "psi0": heading_rad,
         "t_start": start_s,
+        "length_unit": units.length,
+        "speed_unit": units.speed,
+        "time_unit": units.time,
     }
     return np.array(
         [*(values[name] for name in DYNAMICS_CONSTANT_NAMES), *astuple(view or CameraErrorInputs())]
@@ -121,7 +127,7 @@ def simulate(
         [np.broadcast_to(np.asarray(v, dtype=np.float64), n) for v in (head_angle_rad, flap_hz)]
     )
     return simulate_at(
-        two_plate_system().values(coefficients, effects),
+        robot_system(setup.robot).values(coefficients, effects),
         times,
         inputs,
         constants_of_robot_trial(setup, head_length_m, heading_rad=start[2]),
@@ -133,7 +139,7 @@ def simulate_at(
     values: Float, times: Float, inputs: Float, trial_constants: Float, start: Float
 ) -> Simulation:
     """Path at given times for a full parameter vector of the system; start: (6,) or all states."""
-    kernel = compile_system(two_plate_system())
+    kernel = compile_system(trial_system(trial_constants))
     state = np.zeros((1, len(kernel.system.all_states), LANES))
     state[0, : len(start)] = start[:, None]
     _, states = simulate_batch(

@@ -18,18 +18,17 @@ from ..data import FlappingFrequency, write_columns
 from ..errors import input_error
 from ..files import write_json
 from ..fitting import TrialSeries, free_runs
-from ..integrate import compile_system
 from ..mismatch import find_mismatch
 from ..mismatch.camera_displacement import with_displacements
 from ..mismatch.laws import cause_force_curves, partial_residuals
 from ..mismatch.results_json import details_json, mismatch_json
 from ..mismatch.rigid_lengths import length_measurement
 from ..mismatch.wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock
-from ..model import two_plate_system
+from ..model import robot_system, two_plate_system
 from ..motor import log_lead_from_beat_phases
 from ..study import Study, StudySettings, load_study
 from ..study.data_split import held_out_trials
-from ..tuning import downsampled
+from ..tuning import downsampled, trial_kernel
 from .clock_factor import correct_clock, with_clock_cause
 from .clock_measurement import with_clock_measurement
 from .compiling import precompile_model_with_effects as preload
@@ -66,7 +65,7 @@ def mismatch(study: Path, results: Path) -> None:
     )
     series = with_nose_distances(series, loaded, ResultPaths(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=stage_logger.info)
-    kernel = compile_system(two_plate_system())
+    kernel = trial_kernel(series)
     series = with_displacements(kernel, series, found.displacements)
     runs = free_runs(kernel, series, found.extended.trial_values(kernel, series))
     remove_files((results / "extended").glob("*.csv"))
@@ -133,7 +132,7 @@ def with_rigid_length_measurement(
     """
     if not (series and geometry.get("windows")):
         return list(series)
-    system, camera = two_plate_system(), setup.camera
+    system, camera = robot_system(setup.robot), setup.camera
     by_homography = camera is not None and camera.matrix is None
     shared = length_measurement(
         system, dict(zip(system.constants, series[0].constants, strict=True)),

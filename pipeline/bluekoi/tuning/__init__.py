@@ -1,8 +1,9 @@
 """Coefficients from trials: the paper's three steps at each power, and one set for all."""
 
-from .joint_fit import JointFit, coefficient_cell, coefficient_table, downsampled, fit_all_trials
+from .joint_fit import JointFit, coefficient_cell, coefficient_table, fit_all_trials
 from .paper_steps import fit_paper_steps
 from .results import coefficients_json_and_fit, simulation_columns_by_trial, table_1, table_2
 from .series import study_series, trial_series
+from .similar_robots import downsampled, trial_kernel, units_of_trials
 from .stability import straight_swimming_growth_per_s
 from .steady_errors import steady_errors

@@ -9,23 +9,16 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from ..fitting import FreeParameter, ParameterFit, newton_step_off_bounds
+from ..fitting import ParameterFit, newton_step_off_bounds
 from ..integrate.system import Parameter
-from ..model import two_plate_system
 
 LOWER, UPPER = "lower", "upper"
-
-
-def parameter_definition(free: FreeParameter) -> Parameter:
-    """The model's parameter that a fitted number is of."""
-    return two_plate_system().parameters[two_plate_system().slot[free.name]]
 
 
 def bound_sides(found: ParameterFit) -> list[str]:
     """For each fitted number `lower`, `upper`, or nothing where it is off its bounds."""
     return [
-        _bound_side_of_value(parameter_definition(f), v)
-        for f, v in zip(found.free, found.values, strict=True)
+        _bound_side_of_value(p, v) for p, v in zip(found.definitions, found.values, strict=True)
     ]
 
 
@@ -48,7 +41,7 @@ def intervals_at_bounds(found: ParameterFit) -> dict[int, Float]:
     middle, half = found.values + change, spread.half_widths()
     return {
         i: _clip_interval_to_bounds(
-            parameter_definition(found.free[i]), side, np.array([-half[i], half[i]]) + middle[i]
+            found.definitions[i], side, np.array([-half[i], half[i]]) + middle[i]
         )
         for i, side in held.items()
     }

@@ -7,7 +7,7 @@ from scipy.special import stdtr, stdtrit
 
 from ..data import Float
 from ..fitting import ParameterFit, conditional_response, newton_step_off_bounds, student_t_draws
-from .bounds import intervals_at_bounds, parameter_definition
+from .bounds import intervals_at_bounds
 from .joint_fit import JointFit
 
 
@@ -32,8 +32,8 @@ def sample_parameters(tuned: JointFit, count: int, rng: np.random.Generator) -> 
 
 def clip_to_bounds(found: ParameterFit, rows: Float) -> Float:
     """Rows (count, p) clipped to the bounds of what is plausible."""
-    parameters = [parameter_definition(f) for f in found.free]
-    return np.clip(rows, [p.lower for p in parameters], [p.upper for p in parameters])
+    bounds = found.definitions
+    return np.clip(rows, [p.lower for p in bounds], [p.upper for p in bounds])
 
 
 def _sample_one_sided(found: ParameterFit, held: list[int], u: Float) -> Float:

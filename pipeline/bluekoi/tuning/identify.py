@@ -13,11 +13,10 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import Z_95, FilterResults, TrialSeries, filter_all, fit_parameters_jointly
-from ..integrate import compile_system
 from ..integrate.batch import threaded_map
-from ..model import two_plate_system
 from .bounds import bound_sides
 from .joint_fit import UNDETERMINED_ABOVE, JointFit
+from .similar_robots import trial_kernel
 
 PROFILE_POINTS_STDS = (-2.5, -1.25, -0.6, 0.6, 1.25, 2.5)
 """Where a profile is taken, in standard deviations from the fit."""
@@ -63,8 +62,7 @@ class LikelihoodProfile:
 
 def parameter_scales(tuned: JointFit) -> Float:
     """Size (p,) that a change of each free number is held against."""
-    starts = {p.name: abs(p.start) for p in two_plate_system().parameters}
-    usual = np.array([starts[f.name] for f in tuned.fit.free])
+    usual = np.array([abs(p.start) for p in tuned.fit.definitions])
     return np.maximum(np.abs(tuned.fit.values), usual)
 
 
@@ -120,7 +118,7 @@ def likelihood_profiles(series: Sequence[TrialSeries], tuned: JointFit) -> list[
     filter: as predictor of one form, the fit is the likeliest (Ljung, System Identification, 1999,
     7.2), which it need not be when the gains of a model that lacks something move with it.
     """
-    kernel = compile_system(two_plate_system())
+    kernel = trial_kernel(series)
     predictor = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
     return threaded_map(
         lambda index: _profile(series, tuned, index, predictor), range(len(tuned.fit.free))
@@ -131,9 +129,8 @@ def _profile(
     series: Sequence[TrialSeries], tuned: JointFit, index: int, predictor: FilterResults
 ) -> LikelihoodProfile:
     """Profile of one free number, under held gains."""
-    kernel, found = compile_system(two_plate_system()), tuned.fit
-    held = found.free[index]
-    parameter = two_plate_system().parameters[two_plate_system().slot[held.name]]
+    kernel, found = trial_kernel(series), tuned.fit
+    held, parameter = found.free[index], found.definitions[index]
     largest = PROFILE_RANGE_STDS * parameter_scales(tuned)[index] / max(PROFILE_POINTS_STDS)
     unit = min(max(tuned.std[index], np.sqrt(found.naive_cov[index, index])), largest)
     values = np.clip(found.values[index] + unit * np.array(PROFILE_POINTS_STDS), parameter.lower,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,6 @@ from ..fitting import (
     ParameterFit,
     TrialRandomEffect,
     TrialSeries,
-    block_averaged,
     cluster_covariance,
     estimate_noise_model,
     fit_parameters_jointly,
@@ -26,15 +25,13 @@ from ..fitting import (
     trial_normal_equations,
     trial_parameter_vector,
 )
-from ..fitting.block_average import DEFAULT_BLOCK_RATE_HZ
 from ..fitting.sandwich import MIN_NAIVE_VARIANCE_SHARE
-from ..integrate import CompiledSystem, compile_system
+from ..integrate import CompiledSystem
 from ..integrate.system import Parameter
-from ..model import HYDRODYNAMIC_COEFFICIENTS, two_plate_system
-from .bounds import LOWER, UPPER, bound_sides, intervals_at_bounds, parameter_definition
+from ..model import HYDRODYNAMIC_COEFFICIENTS
+from .bounds import LOWER, UPPER, bound_sides, intervals_at_bounds
+from .similar_robots import similar_noise, trial_kernel, units_of_trials
 
-HEAD_ANGLE_COLUMN = 3
-"""Column of the head angle among the observations."""
 HEAD_ANGLE_ERROR_PARAMETER = "head_angle_offset.offset"
 """The parameter that a servo's error in one trial changes."""
 UNDETERMINED_ABOVE = 0.3
@@ -48,14 +45,6 @@ START_NOISE = Noise(
 )
 """Before it is fitted, for the published robot: 5 mN, 5 mN, 0.5 mN m of water, forgotten within
 0.5 s; tracking errors of 0.3 mm and 0.17 degrees, forgotten within 0.2 s; white noise as stated."""
-PUBLISHED_MASS_KG, PUBLISHED_YAW_INERTIA_KG_M2 = 0.68, 0.0095
-
-
-def downsampled(
-    series: Sequence[TrialSeries], rate_hz: float = DEFAULT_BLOCK_RATE_HZ
-) -> list[TrialSeries]:
-    """The trials as fits take them: about ten observations a second, head angle once a trial."""
-    return [block_averaged(s, rate_hz, constant=(HEAD_ANGLE_COLUMN,)) for s in series]
 
 
 @dataclass(frozen=True)
@@ -118,32 +107,18 @@ def fit_all_trials(
 
     Raises: FloatingPointError where the model runs away from these trials at every start.
     """
-    kernel = compile_system(two_plate_system())
+    kernel = trial_kernel(series)
     free = tuple(free or (FreeParameter(p.name) for p in HYDRODYNAMIC_COEFFICIENTS))
-    base = two_plate_system().values({}) if base is None else base
-    begin = noise or start_noise(kernel, series)
+    base = kernel.system.values({}) if base is None else base
+    begin = noise or similar_noise(units_of_trials(series), START_NOISE)
     found = _first_fit(kernel, series, base, free, noise=begin, start=start)
     if noise is None:
         points = [trial_parameter_vector(kernel, base, free, found.values, s.group) for s in series]
         noise = estimate_noise_model(kernel, series, points, begin, rounds=5).noise
         found = fit_parameters_jointly(kernel, series, base, free, noise, start=found.by_label())
     own = head_angle_error_information(kernel, series, found, base, noise=noise)
-    spread = cluster_covariance(found.normal, off_bounds(kernel, found), own, min_share=min_share)
+    spread = cluster_covariance(found.normal, off_bounds(found), own, min_share=min_share)
     return JointFit(found, noise, spread.cov, base, spread.df, spread.influence)
-
-
-def start_noise(kernel: CompiledSystem, series: Sequence[TrialSeries]) -> Noise:
-    """`START_NOISE` for the robot of these trials: water that accelerates it as much. A moment of
-    0.5 mN m hardly turns a robot of a hundred times the inertia, and a fit that takes the model to
-    be that exact ends at a far optimum.
-    """
-    mass, inertia = (
-        float(np.median([s.constants[kernel.system.constants.index(name)] for s in series]))
-        for name in ("m", "I")
-    )
-    heavier = mass / PUBLISHED_MASS_KG
-    shares = np.array([heavier, heavier, inertia / PUBLISHED_YAW_INERTIA_KG_M2, 1.0, 1.0, 1.0])
-    return replace(START_NOISE, disturbance=START_NOISE.disturbance * shares)
 
 
 def _first_fit(
@@ -203,7 +178,7 @@ def coefficient_cell(tuned: JointFit, index: int) -> dict[str, Any]:
     At a bound `at_bound` says which, there is no std, and the interval has the bound at one end.
     Where trials cannot disagree, since one alone informs on the number, std and interval are None.
     """
-    parameter, side = parameter_definition(tuned.fit.free[index]), bound_sides(tuned.fit)[index]
+    parameter, side = tuned.fit.definitions[index], bound_sides(tuned.fit)[index]
     value, interval = float(tuned.fit.values[index]), tuned.interval_95[index]
     half = float(0.5 * (interval[1] - interval[0]))
     naive = float(np.sqrt(tuned.fit.naive_cov[index, index]))

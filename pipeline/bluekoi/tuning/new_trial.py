@@ -9,14 +9,15 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import TrialSeries, trial_normal_equations
-from ..integrate import CompiledSystem, compile_system
+from ..integrate import CompiledSystem
 from ..integrate.batch import in_lanes, simulate_batch
-from ..model import constants_of_robot_trial, two_plate_system
+from ..model import constants_of_robot_trial
 from ..observation import camera_error_inputs
 from ..study import StudySettings
-from .bounds import bound_sides, parameter_definition
+from .bounds import bound_sides
 from .identify import Combination, parameter_scales
 from .joint_fit import UNDETERMINED_ABOVE, JointFit
+from .similar_robots import trial_kernel
 from .turning_trials import TURN_COEFFICIENTS, no_trial_turns_head
 
 CANDIDATE_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0, 60.0)
@@ -45,7 +46,7 @@ def c_optimal_trial(
     with the errors of the trials there are; its Fisher matrix is added, and what is left of the
     combination's deviation counts.
     """
-    kernel = compile_system(two_plate_system())
+    kernel = trial_kernel(series)
     size = parameter_scales(tuned)
     tuned = replace(
         tuned, fit=replace(tuned.fit, values=parameters_for_planned_trials(series, tuned))
@@ -78,7 +79,7 @@ def parameters_for_planned_trials(series: Sequence[TrialSeries], tuned: JointFit
     naive = np.sqrt(np.diag(tuned.fit.naive_cov))
     silent = [f.name in TURN_COEFFICIENTS and no_trial_turns_head(series) for f in tuned.fit.free]
     held = [bool(side) for side in bound_sides(tuned.fit)]
-    starts = np.array([parameter_definition(f).start for f in tuned.fit.free])
+    starts = np.array([p.start for p in tuned.fit.definitions])
     wide = naive > UNDETERMINED_ABOVE * parameter_scales(tuned)
     return np.where(held | np.array(silent) | wide, starts,
                     tuned.fit.values)  # fmt: skip

@@ -19,10 +19,11 @@ import numpy as np
 
 from ..data import Float, SteadyState
 from ..fitting import FreeParameter, TrialSeries
-from ..model import steady_speed_and_radius, two_plate_system
-from ..study import Study, Trial
+from ..model import robot_system, steady_speed_and_radius
+from ..study import Robot, Study, Trial
 from .draws import clip_to_bounds, sample_parameters
 from .joint_fit import JointFit, coefficient_cell, fit_all_trials
+from .similar_robots import trial_kernel
 from .two_step_covariance import step_sensitivity, with_step_covariance
 
 MAX_STRAIGHT_ANGLE_DEG = 3.0
@@ -123,7 +124,7 @@ def _fit_second_step(turns: Sequence[TrialSeries], first: JointFit | None) -> Jo
         FreeParameter("C_Ma"),
         *(FreeParameter(c, g) for g in groups for c in COEFFICIENTS_PER_POWER),
     ]
-    base = two_plate_system().values(first.fit.by_label() if first else {})
+    base = trial_kernel(turns).system.values(first.fit.by_label() if first else {})
     if first is None:
         free = [FreeParameter("C_T"), FreeParameter("C_D0"), *free]
     return fit_all_trials(turns, free, base=base, min_share=MIN_VARIANCE_SHARE)
@@ -139,7 +140,7 @@ def _results_of_power(
     here = [s for s in series if s.group == power]
     flap_hz = float(np.mean([s.inputs[0, 1] for s in here]))
     coefficients = {
-        name: _coefficient_entry(name, power, fits)
+        name: _coefficient_entry(study.setup.robot, name, power, fits)
         for name in (*COMMON_COEFFICIENTS, *COEFFICIENTS_PER_POWER)
     }
     values = {name: c["value"] for name, c in coefficients.items()}
@@ -151,9 +152,9 @@ def _results_of_power(
 
 
 def _coefficient_entry(
-    name: str, power: str, fits: tuple[JointFit | None, JointFit | None]
+    robot: Robot, name: str, power: str, fits: tuple[JointFit | None, JointFit | None]
 ) -> dict[str, Any]:
-    parameter = {p.name: p for p in two_plate_system().parameters}[name]
+    parameter = next(p for p in robot_system(robot).parameters if p.name == name)
     for step, fitted in enumerate(fits, start=1):
         labels = [f.label for f in fitted.fit.free] if fitted else []
         label = next((k for k in (name, f"{name}@{power}") if k in labels), None)

@@ -9,20 +9,19 @@ import numpy as np
 
 from ..data import Float, SteadyState
 from ..fitting import TrialSeries, free_runs
-from ..integrate import compile_system
 from ..model import (
     HYDRODYNAMIC_COEFFICIENTS,
     PUBLISHED_FLAP_HZ,
     PUBLISHED_UNITS_NOTE,
     TABLE_1,
     TABLE_2_PCT,
-    two_plate_system,
 )
 from ..study import Study
 from .draws import sample_parameters
 from .identify import fisher_eigendirections, likelihood_profiles
-from .joint_fit import JointFit, coefficient_table, downsampled, fit_all_trials
+from .joint_fit import JointFit, coefficient_table, fit_all_trials
 from .paper_steps import fit_paper_steps
+from .similar_robots import downsampled, trial_kernel
 from .stability import stability_verdict, straight_swimming_growth_per_s, undetermined_stability
 from .turning_trials import (
     count_turning_trials,
@@ -171,11 +170,9 @@ def simulation_columns_by_trial(
     series: Sequence[TrialSeries], joint: JointFit, steps: Mapping[str, Any]
 ) -> dict[str, dict[str, Float]]:
     """Trial -> columns of simulations/ID.csv: joint and per-power model from fitted starts."""
-    kernel = compile_system(two_plate_system())
+    kernel = trial_kernel(series)
     per_power = [
-        two_plate_system().values(
-            {n: c["value"] for n, c in steps[s.group]["coefficients"].items()}
-        )
+        kernel.system.values({n: c["value"] for n, c in steps[s.group]["coefficients"].items()})
         for s in series
     ]
     by_model = {

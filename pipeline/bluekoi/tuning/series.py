@@ -8,14 +8,15 @@ import numpy as np
 
 from ..data import FlappingFrequency, Float, Pose, Track, has_excess_variance
 from ..fitting import TrialSeries
-from ..model import constants_of_robot_trial, two_plate_system
+from ..model import constants_of_robot_trial, robot_units, two_plate_system
 from ..observation import camera_error_inputs
 from ..study import Study, StudySettings, Trial
+from .similar_robots import similar_state_std
 
 OUTLIER_SIGMA = 6.0
 SERVO_STD_RAD = 0.01  # ASSUME a servo error of 0.6 degrees, constant within a trial
 INITIAL_STATE_STD = np.array([0.1, 0.1, 0.05, 0.05, 0.05, 0.3])  # m, m, rad, m/s, m/s, rad/s
-"""Of the place as much as the centre of mass may be off the keypoint."""
+"""For the published robot; of the place as much as the centre of mass may be off the keypoint."""
 
 
 def study_series(
@@ -59,6 +60,8 @@ def trial_series(
     seen[unusable] = np.nan
     noise[unusable] = np.eye(4)
     start = _initial_state_from_track(times, track)
+    start_std = similar_state_std(robot_units(setup.robot), INITIAL_STATE_STD)
+    others = len(two_plate_system().all_states) - len(start_std)
     return TrialSeries(
         name=trial.trial_id,
         group=format(trial.power_pct, "g"),
@@ -74,13 +77,8 @@ def trial_series(
         ),
         seen=seen,
         noise=noise,
-        mean=np.concatenate([start, np.zeros(len(two_plate_system().all_states) - 6)]),
-        cov=np.diag(
-            np.concatenate(
-                [INITIAL_STATE_STD, np.full(len(two_plate_system().all_states) - 6, 1e-6)]
-            )
-            ** 2
-        ),
+        mean=np.concatenate([start, np.zeros(others)]),
+        cov=np.diag(np.concatenate([start_std, np.full(others, 1e-6)]) ** 2),
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..fitting import TrialSeries
 from ..integrate import LANES, CompiledSystem, System, compile_system
 from ..integrate.batch import in_lanes, simulate_batch
-from ..model import constants_of_robot_trial, simulate, two_plate_system
+from ..model import constants_of_robot_trial, robot_system, simulate
 from ..study import Study, StudySettings
 from .joint_fit import JointFit
 
@@ -35,13 +35,13 @@ def straight_swimming_growth_per_s(
     head = setup.robot.head_length_m
     run = simulate(coefficients, setup=setup, head_length_m=head, head_angle_rad=0.0,
                    flap_hz=flap_hz, duration_s=20.0, effects=effects)  # fmt: skip
-    kernel = compile_system(two_plate_system())
+    kernel = compile_system(robot_system(setup.robot))
     state = np.zeros((1, len(kernel.system.all_states), LANES))
     state[0, 3] = run.speed_m_s[-1]
     varied = [*LINEARISED_STATES, *_own_states(kernel.system, effects or {})]
     for lane, i in enumerate(varied, start=1):
         state[0, i, lane] += 1e-6
-    values = two_plate_system().values(coefficients, effects)
+    values = kernel.system.values(coefficients, effects)
     _, states = simulate_batch(
         kernel,
         state,
@@ -117,6 +117,7 @@ def _interval_text(growth_json: Mapping[str, Any]) -> str:
 MAX_LOG_GROWTH = 6.0
 """Small differences may grow by e^6 = 400 over a segment: from 0.1 mm to 40 mm."""
 MIN_HORIZON_S = 1.0
+"""For the published robot."""
 
 
 def predictability_horizon_s(
@@ -134,4 +135,4 @@ def predictability_horizon_s(
         )
         if growth > 0:
             times.append(MAX_LOG_GROWTH / growth)
-    return max(MIN_HORIZON_S, min(times))
+    return max(MIN_HORIZON_S * kernel.system.time_unit_s, min(times))

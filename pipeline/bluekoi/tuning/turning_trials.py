@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fitting import TrialSeries
 from ..fitting.joint_fit import AT_BOUND
-from .bounds import bound_sides, intervals_at_bounds, parameter_definition
+from .bounds import bound_sides, intervals_at_bounds
 from .joint_fit import JointFit
 
 TURN_COEFFICIENTS = ("C_Da", "C_La", "C_Ma", "C_Md")
@@ -74,7 +74,7 @@ def _consistent_with_start(tuned: JointFit) -> list[int]:
     return [
         i
         for i, ends in intervals_at_bounds(tuned.fit).items()
-        if ends[0] <= parameter_definition(tuned.fit.free[i]).start <= ends[1]
+        if ends[0] <= tuned.fit.definitions[i].start <= ends[1]
     ]
 
 

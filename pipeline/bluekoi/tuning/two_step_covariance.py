@@ -14,19 +14,18 @@ import numpy as np
 from ..data import Float
 from ..fitting import TrialSeries, conditional_response, off_bounds, trial_normal_equations
 from ..fitting.sandwich import MAX_SINGLE_TRIAL_SHARE
-from ..integrate import compile_system
-from ..model import two_plate_system
 from .joint_fit import JointFit
+from .similar_robots import trial_kernel
 
 
 def step_sensitivity(series: Sequence[TrialSeries], later: JointFit, earlier: JointFit) -> Float:
     """G (p, q): response of the later fit, of these trials, to the earlier one's q numbers."""
-    kernel, p = compile_system(two_plate_system()), len(later.fit.values)
+    kernel, p = trial_kernel(series), len(later.fit.values)
     out = np.zeros((p, len(earlier.fit.values)))
     free = (*later.fit.free, *earlier.fit.free)
     at = np.concatenate([later.fit.values, earlier.fit.values])
     normal = trial_normal_equations(kernel, series, later.base, free, at, noise=later.noise)
-    own = np.flatnonzero(off_bounds(kernel, later.fit)).tolist()
+    own = np.flatnonzero(off_bounds(later.fit)).tolist()
     if normal.usable and own:
         out[own] = conditional_response(normal.hessian.sum(axis=0), own, range(p, len(free)))
     return out

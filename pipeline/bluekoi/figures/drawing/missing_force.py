@@ -10,9 +10,9 @@ import numpy as np
 
 from ...campaign import Campaign
 from ...data import Float, Track
-from ...integrate import LANES, compile_system
+from ...integrate import LANES, System, compile_system
 from ...integrate.batch import in_lanes, simulate_batch
-from ...model import constants_of_robot_trial, is_residual, two_plate_system
+from ...model import constants_of_robot_trial, is_residual, robot_system
 
 FORCE_CHANNELS = ("surge", "sway", "yaw")
 """Force components: along the core, to its left, and the moment about the vertical axis."""
@@ -114,9 +114,10 @@ def force_of_effects(campaign: Campaign, one: MissingForceSeries) -> Float:
     if not fitted:
         return np.full_like(one.force, np.nan)
     power = f"{campaign.study.trial(one.trial_id).power_pct:g}"
+    system = robot_system(campaign.study.setup.robot)
     models = [
-        _identified_parameters(_without_effects(fitted), power),
-        _identified_parameters(fitted, power),
+        _identified_parameters(system, _without_effects(fitted), power),
+        _identified_parameters(system, fitted, power),
     ]
     before, after = _recorded_rates(campaign, one, models)
     robot = campaign.study.setup.robot
@@ -149,7 +150,9 @@ def _missing_force(name: str, entry: Mapping[str, Any], track: Track) -> Missing
     )
 
 
-def _identified_parameters(fitted: Mapping[str, Mapping[str, float]], power: str) -> Float:
+def _identified_parameters(
+    system: System, fitted: Mapping[str, Mapping[str, float]], power: str
+) -> Float:
     """Full parameter vector of a fit; `C_Da@75` applies to trials at 75 % power."""
     coefficients: dict[str, float] = {}
     effects: dict[str, dict[str, float]] = {}
@@ -160,7 +163,7 @@ def _identified_parameters(fitted: Mapping[str, Mapping[str, float]], power: str
         effect, _, parameter = name.rpartition(".")
         target = effects.setdefault(effect, {}) if effect else coefficients
         target[parameter] = float(cell["value"])
-    return np.asarray(two_plate_system().values(coefficients, effects))
+    return np.asarray(system.values(coefficients, effects))
 
 
 def _recorded_rates(
@@ -171,7 +174,8 @@ def _recorded_rates(
     States of the effects, such as the lift of a fin that follows the flow, start at 0 and follow
     the measured motion.
     """
-    kernel, n = compile_system(two_plate_system()), len(one.motion)
+    kernel = compile_system(robot_system(campaign.study.setup.robot))
+    n = len(one.motion)
     trial = campaign.study.trial(one.trial_id)
     state = np.zeros((n, len(kernel.system.all_states), LANES))
     state[:, :6] = one.motion[:, :6, None]

@@ -1,0 +1,56 @@
+"""Trials, noise and model in the units of their robot (`model.similarity`)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..data import Float
+from ..fitting import Noise, TrialSeries, block_averaged
+from ..fitting.block_average import DEFAULT_BLOCK_RATE_HZ, PARABOLA_HALF_WINDOW_S
+from ..integrate import CompiledSystem, compile_system
+from ..model import RobotUnits, trial_system, trial_units
+
+HEAD_ANGLE_COLUMN = 3
+"""Column of the head angle among the observations."""
+RANDOM_STATE_UNITS = ("N", "N", "N m", "m", "m", "rad")
+"""Units of the random forces and the tracking errors, in the order of `Noise.disturbance`."""
+STATE_UNITS = ("m", "m", "rad", "m/s", "m/s", "rad/s")
+"""Units of the states of the motion."""
+
+
+def units_of_trials(series: Sequence[TrialSeries]) -> RobotUnits:
+    """Units of the robot in these trials."""
+    return trial_units(series[0].constants)
+
+
+def trial_kernel(series: Sequence[TrialSeries]) -> CompiledSystem:
+    """The model with the starts, bounds and plausible magnitudes of the robot in these trials."""
+    return compile_system(trial_system(series[0].constants))
+
+
+def similar_noise(units: RobotUnits, noise: Noise) -> Noise:
+    """The noise of the published robot for a similar one."""
+    size = np.array([units.ratio(unit) for unit in RANDOM_STATE_UNITS])
+    return replace(noise, disturbance=noise.disturbance * size, tau=noise.tau * units.time)
+
+
+def similar_state_std(units: RobotUnits, std: Float) -> Float:
+    """Standard deviations (6,) of the states of the published robot for a similar one."""
+    return std * np.array([units.ratio(unit) for unit in STATE_UNITS])
+
+
+def downsampled(
+    series: Sequence[TrialSeries], rate_hz: float = DEFAULT_BLOCK_RATE_HZ
+) -> list[TrialSeries]:
+    """The trials as fits take them: about `rate_hz` observations in the unit of time of the robot,
+    head angle once a trial.
+    """
+    if not series:
+        return []
+    unit = units_of_trials(series).time
+    return [block_averaged(s, rate_hz / unit, constant=(HEAD_ANGLE_COLUMN,),
+                           half_window_s=PARABOLA_HALF_WINDOW_S * unit)
+            for s in series]  # fmt: skip

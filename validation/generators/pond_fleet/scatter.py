@@ -18,7 +18,7 @@ from .law import Law
 from .robots import Array
 from .trials import SERVO_ERROR
 
-SESSIONS = 70
+SESSIONS = 50
 QUALITY_ERROR = 0.006
 START_WIDTH = np.array([3.0, 3.0, 5.0, 3.0, 3.0, 5.0])
 """Prior of the starting state, in the units of Variant.start."""

@@ -63,7 +63,7 @@ def sized_law(
     rng: np.random.Generator, family: Family, experiment: Experiment, hidden: Hidden,
     scatter: Scatter,
 ) -> tuple[Law, Measured] | None:  # fmt: skip
-    """A form of a family with a size that is `enough` beside what is hidden; None without a size."""
+    """A form of a family, sized to be `enough` beside what is hidden; None without a size."""
     sign = rng.choice([-1.0, 1.0]) if family.odd else 1.0
     law = Law(family, str(rng.choice(list(family.forms))), 0.0, float(rng.uniform()))
 

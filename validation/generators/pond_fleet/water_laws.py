@@ -154,8 +154,8 @@ def blocking_drag(flow: Flow, size: Array, shape: float) -> Load:
 
 
 def power_drag(flow: Flow, size: Array, _: float) -> Load:
-    """Drag rises by (0.7 / gap)^2."""
-    near = sum((0.7 / gap) ** 2 for gap, _, _ in _walls(flow))
+    """Drag rises by (0.5 / gap)^2."""
+    near = sum((0.5 / gap) ** 2 for gap, _, _ in _walls(flow))
     return along_velocity(flow, size * flow.robot.cruise_drag * flow.relative_speed**2 * near)
 
 
@@ -165,7 +165,7 @@ def image_suction(flow: Flow, size: Array, _: float) -> Load:
     c, s = np.cos(flow.theta), np.sin(flow.theta)
     for gap, nx, ny in _walls(flow):
         tangent = (-ny * (flow.u * c - flow.v * s) + nx * (flow.u * s + flow.v * c)) ** 2
-        pull = size * flow.robot.cruise_drag * tangent / flow.robot.speed**2 * (0.8 / gap) ** 3
+        pull = size * flow.robot.cruise_drag * tangent / flow.robot.speed**2 * (0.5 / gap) ** 3
         fx, fy = fx + pull * nx, fy + pull * ny
     return _in_head_frame(flow, fx, fy, np.zeros_like(fx))
 
@@ -187,7 +187,7 @@ def bank_effect(flow: Flow, size: Array, shape: float) -> Load:
 def gaussian_drag(flow: Flow, size: Array, shape: float) -> Load:
     """Drag of a zone of weeds and return flow along the rim, exp(-(gap / b)^2)."""
     reach = 0.9 + 0.4 * shape
-    near = sum(np.exp(-((gap / reach) ** 2)) for gap, _, _ in _walls(flow))
+    near = sum(np.exp((0.25 - gap**2) / reach**2) for gap, _, _ in _walls(flow))
     return along_velocity(flow, size * flow.robot.cruise_drag * flow.relative_speed**2 * near)
 
 

@@ -41,7 +41,7 @@ class Campaign:
 class Take:
     """Labels (frames, 5, 2) in px with likelihoods, and the shaft's angle (turns) at log times (s).
 
-    path: true centre of mass (frames, 2) in m. flap: steady true frequency (Hz).
+    path: true centre of mass (frames, 2) in m. flap: true frequency over the last two thirds (Hz).
     """
 
     seen: Array
@@ -102,8 +102,9 @@ def _film(
     log_times = np.arange(int(time[kept - 1] / LOG_INTERVAL) + 1) * LOG_INTERVAL
     turns = motion.column_at(trial, np.minimum(log_times, duration))[SHAFT]
     turns = turns + campaign.phase[trial]
-    return Take(seen, likelihood, log_times, turns, state[[X, Y], :kept].T,
-                float(scene.session.flap[trial]))  # fmt: skip
+    third = len(turns) // 3
+    flap = (turns[-1] - turns[third]) / (log_times[-1] - log_times[third])
+    return Take(seen, likelihood, log_times, turns, state[[X, Y], :kept].T, float(flap))
 
 
 def _timing(campaign: Campaign, trial: int) -> tuple[float, float]:

@@ -233,6 +233,7 @@ def test_mix_of_a_block():
     assert sum(p.group == "two" and p.fault is not None for p in plans) == 1
 
 
+@pytest.mark.long
 def test_same_seed_gives_same_files_that_pass_check_and_an_empty_truth(tmp_path):
     index = next(
         k for k in range(20) if draw_plan(9, k).group == "null" and not draw_plan(9, k).fin

@@ -7,6 +7,7 @@ from typing import Any
 
 from .motor.power_consistency import power_warnings
 from .motor.swimming_plausibility import clock_and_length_warnings, tail_warnings
+from .pose.exchanged_frames import exchanged_frames_warnings
 from .pose.trial_comparison import comparison_warnings
 from .study import Study
 from .study.setup_warnings import setup_warnings
@@ -34,5 +35,6 @@ def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> l
         *clock_and_length_warnings(statuses),
         *tail_warnings(statuses, study.setup.robot.tail_length_m),
         *power_warnings(statuses, powers),
+        *exchanged_frames_warnings({t.trial_id: t for t in study.trials}, statuses),
         *comparison_warnings(study, statuses),
     ]

@@ -22,6 +22,7 @@ from ..motor.motor_log import motor_log_coverage
 from ..motor.swimming_plausibility import tail_length_seen
 from ..pose.body import RIGID_PARTS
 from ..pose.common_mistakes import merge_common_mistakes
+from ..pose.exchanged_frames import exchange_back
 from ..pose.fit import usable_frames
 from ..pose.plausibility import checked_rigid_pose
 from ..pose.trial_comparison import status_of_body_measurements
@@ -123,8 +124,10 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         check_within_picture(path, found, camera.image_size_px if camera else None)
         check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
         _check_usable_frames(path, found)
-        positions = map_keypoints(
-            pool_camera(study.setup), found, study.setup.robot.keypoint_depth_m
+        positions, exchanged = exchange_back(
+            map_keypoints(pool_camera(study.setup), found, study.setup.robot.keypoint_depth_m),
+            study.setup.robot,
+            trial.head_length_m,
         )
         pose = checked_rigid_pose(study, trial, positions)
         body = status_of_body_measurements(found, positions, pose, study.setup.robot, trial)
@@ -148,6 +151,7 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         "flapping": record,
         "tail_m": tail_length_seen(positions),
         "body": body,
+        "exchanged_frames": exchanged,
         "logged_share": logged,
     }
     return dict(to_json_types(status))

@@ -12,6 +12,7 @@ from ..camera.calibration_uncertainty import calibration_covariance_at_places
 from ..camera.picture_bounds import check_within_picture
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
+from ..camera.turned_picture import turned_picture_record
 from ..data import FlappingFrequency, SteadyState, Track, write_pose, write_track
 from ..errors import InputError, input_error
 from ..files import read_json
@@ -103,6 +104,7 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
         "tail_m": tail_length_seen(positions),
         "body": status_of_body_measurements(found, positions, pose, study.setup.robot, trial),
         "exchanged_frames": exchanged,
+        "turned_picture": turned_picture_record(camera, found, depth),
         "pool_edges": edges,
     }
 

@@ -37,7 +37,7 @@ from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.tracks import _with_clock_remark, tracks
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study, missing_files_of_trial
-from bluekoi.study.setup_warnings import setup_warnings
+from bluekoi.study.setup_warnings import inertia_warnings, setup_warnings
 from bluekoi.trial_warnings import trial_warnings, unchecked_clock_notes
 from small_studies import edit_trials_csv, mapped_turn, small_study
 
@@ -365,14 +365,32 @@ def test_a_power_that_does_not_go_with_the_flapping_frequency_is_a_warning():
     assert power_warnings({name: {"ok": False} for name in powers}, powers) == []
 
 
-@pytest.mark.parametrize("change", [{"mass_kg": 6.8}, {"yaw_inertia_kg_m2": 0.0009}])
+IMPOSSIBLE_BODIES = [
+    {"mass_kg": 6.8},
+    {"yaw_inertia_kg_m2": 0.0009},
+    {"yaw_inertia_kg_m2": 0.0095 * 0.38},
+    {"yaw_inertia_kg_m2": 0.0095 * 1.7},
+]
+
+
+@pytest.mark.parametrize("change", IMPOSSIBLE_BODIES)
 def test_mass_and_inertia_that_are_not_one_body_s_are_a_warning(study_with_turn, change):
     study, _, _ = study_with_turn
     assert setup_warnings(study.setup) == []
     robot = study.setup.robot.model_copy(update=change)
     text, *_ = setup_warnings(study.setup.model_copy(update={"robot": robot}))
-    assert "a radius of gyration of 0.0" in text
+    assert "a radius of gyration of 0." in text
+    assert "(expected: 0.19, a spindle, to 0.38, a rod with its mass at the ends" in text
     assert "all coefficients are proportional to mass_kg" in text
+
+
+def test_a_cause_that_a_wrong_inertia_looks_like_asks_to_check_it(study_with_turn):
+    robot = study_with_turn[0].setup.robot
+    (text,) = inertia_warnings(robot, {"probabilities": {"thrust_line_offset": 0.72}})
+    assert "study.yaml has 0.0095 kg m2 and 0.68 kg: check that both were measured" in text
+    assert inertia_warnings(robot, {"probabilities": {"thrust_line_offset": 0.42}}) == []
+    assert inertia_warnings(robot, {"probabilities": {"wave_drag": 0.9}}) == []
+    assert inertia_warnings(robot, {}) == inertia_warnings(robot, None) == []
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from .camera.turned_picture import turned_picture_warnings
 from .motor.power_consistency import power_warnings
 from .motor.swimming_plausibility import clock_and_length_warnings, tail_warnings
+from .pose.exchanged_frames import exchanged_frames_warnings
 from .pose.trial_comparison import comparison_warnings
 from .study import Study
 from .study.setup_warnings import setup_warnings
@@ -28,11 +30,14 @@ def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> l
 
     statuses: content of status/ID.json by trial id, or what `check` knows of it.
     """
+    trials = {trial.trial_id: trial for trial in study.trials}
     powers = {trial.trial_id: trial.power_pct for trial in study.trials}
     return [
         *setup_warnings(study.setup),
         *clock_and_length_warnings(statuses),
         *tail_warnings(statuses, study.setup.robot.tail_length_m),
         *power_warnings(statuses, powers),
+        *exchanged_frames_warnings(trials, statuses),
+        *turned_picture_warnings(trials, statuses),
         *comparison_warnings(study, statuses),
     ]

@@ -15,20 +15,27 @@ DEVIATION_SIGMAS = 5.0
 def deviations_from_majority(values: Float, stds: Float, least: float) -> Float:
     """Difference (n,) of each trial's value from most trials', 0 where it is within the scatter.
 
-    least: differences up to this one are no deviation, in units of `values`. Centre and scatter
-    are those of the shortest interval with half of the trials (least median of squares; Rousseeuw,
-    J. Am. Stat. Assoc. 79 (1984) 871, with its correction for few values), so that up to half of
-    the trials may be wrong. Fewer than three values have no majority.
+    least: differences up to this one are no deviation, in units of `values`. Fewer than three
+    values have no majority.
+    """
+    if len(values) < 3:
+        return np.zeros(len(values))
+    centre, scatter = majority_centre_and_scatter(values)
+    off = values - centre
+    limit = np.maximum(least, DEVIATION_SIGMAS * np.hypot(scatter, stds))
+    return np.where(np.abs(off) > limit, off, 0.0)
+
+
+def majority_centre_and_scatter(values: Float) -> tuple[float, float]:
+    """Centre and standard deviation of most of the values (n,), two or more.
+
+    Those of the shortest interval with half of them (least median of squares; Rousseeuw, J. Am.
+    Stat. Assoc. 79 (1984) 871, with its correction for few values): up to half may be wrong.
     """
     n = len(values)
-    if n < 3:
-        return np.zeros(n)
     half = (n + 1) // 2
     ordered = np.sort(values)
     widths = ordered[half - 1 :] - ordered[: n - half + 1]
     at = int(np.argmin(widths))
     centre = float(np.median(ordered[at : at + half]))
-    scatter = float(widths[at]) / NORMAL_IQR_IN_STDS * (1 + 5 / (n - 1))
-    off = values - centre
-    limit = np.maximum(least, DEVIATION_SIGMAS * np.hypot(scatter, stds))
-    return np.where(np.abs(off) > limit, off, 0.0)
+    return centre, float(widths[at]) / NORMAL_IQR_IN_STDS * (1 + 5 / (n - 1))

@@ -183,7 +183,7 @@ def robust_pose_fit(xy: Float, cov: Float, body: RigidLengths) -> tuple[PoseFit,
         fewer = xy.copy()
         fewer[bad, k] = np.nan
         again = fit_rigid_poses(fewer, cov, body)
-        free = np.maximum(_degrees_of_freedom(fewer), 1)
+        free = np.maximum(degrees_of_freedom(fewer), 1)
         trials.append(np.where(np.isfinite(again.misfit), again.misfit / free, np.inf))
     worst = np.argmin(trials, axis=0)
     cleaned = xy.copy()
@@ -192,17 +192,18 @@ def robust_pose_fit(xy: Float, cov: Float, body: RigidLengths) -> tuple[PoseFit,
     fit = fit_rigid_poses(cleaned, cov, body)
     scale = np.where(
         _exceeds_misfit_limit(fit.misfit, cleaned),
-        fit.misfit / np.maximum(_degrees_of_freedom(cleaned), 1),
+        fit.misfit / np.maximum(degrees_of_freedom(cleaned), 1),
         1,
     )
     return replace(fit, cov=fit.cov * scale[:, None, None]), int(repaired.sum())
 
 
-def _degrees_of_freedom(xy: Float) -> Float:
+def degrees_of_freedom(xy: Float) -> Float:
+    """Coordinates less unknowns of each frame's pose, (frames,), for points (frames, 4, 2)."""
     return 2.0 * np.isfinite(xy[:, :, 0]).sum(axis=1) - 4
 
 
 def _exceeds_misfit_limit(misfit: Float, xy: Float) -> np.ndarray:
-    free = _degrees_of_freedom(xy)
+    free = degrees_of_freedom(xy)
     limit = chdtri(np.maximum(free, 1), FALSE_ALARM_PROBABILITY)
     return (free > 0) & (np.nan_to_num(misfit) > limit)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..camera import map_keypoints, pool_camera
 from ..camera.picture_bounds import check_within_picture
+from ..camera.turned_picture import turned_picture_record
 from ..data import MIN_POSE_FRAMES, Keypoints, is_confident
 from ..errors import InputError, InputIssue, input_error
 from ..files import to_json_types
@@ -22,6 +23,7 @@ from ..motor.motor_log import motor_log_coverage
 from ..motor.swimming_plausibility import tail_length_seen
 from ..pose.body import RIGID_PARTS
 from ..pose.common_mistakes import merge_common_mistakes
+from ..pose.exchanged_frames import exchange_back
 from ..pose.fit import usable_frames
 from ..pose.plausibility import checked_rigid_pose
 from ..pose.trial_comparison import status_of_body_measurements
@@ -119,15 +121,17 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         found = source_module("deeplabcut").read_keypoints_of_trial(
             path, trial, study.setup.bodyparts
         )
-        camera = study.setup.camera
-        check_within_picture(path, found, camera.image_size_px if camera else None)
+        given = study.setup.camera
+        check_within_picture(path, found, given.image_size_px if given else None)
         check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
         _check_usable_frames(path, found)
-        positions = map_keypoints(
-            pool_camera(study.setup), found, study.setup.robot.keypoint_depth_m
+        camera, depth = pool_camera(study.setup), study.setup.robot.keypoint_depth_m
+        positions, exchanged = exchange_back(
+            map_keypoints(camera, found, depth), study.setup.robot, trial.head_length_m
         )
         pose = checked_rigid_pose(study, trial, positions)
         body = status_of_body_measurements(found, positions, pose, study.setup.robot, trial)
+        turned = turned_picture_record(camera, found, depth)
         end_s = float(found.time_s[-1])
     else:
         film = open_recording(
@@ -148,6 +152,8 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         "flapping": record,
         "tail_m": tail_length_seen(positions),
         "body": body,
+        "exchanged_frames": exchanged,
+        "turned_picture": turned,
         "logged_share": logged,
     }
     return dict(to_json_types(status))

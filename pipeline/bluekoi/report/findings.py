@@ -12,6 +12,7 @@ from ..camera.plane_camera import NO_MATRIX_REMARK
 from ..campaign import Campaign
 from ..figures.drawing.held_out import evaluated_on_fitted_trials
 from ..figures.drawing.missing_force import FORCE_NAMES, VARIABLE_LABELS
+from ..study.setup_warnings import inertia_warnings
 from ..trial_warnings import trial_warnings, unchecked_clock_notes
 from .numbers import (
     format_number,
@@ -104,6 +105,7 @@ def campaign_warnings(campaign: Campaign) -> list[str]:
     found += length_warnings(
         campaign.geometry, campaign.mismatch, campaign.study.setup.water.refractive_index
     )
+    found += inertia_warnings(campaign.study.setup.robot, campaign.mismatch)
     found += [_as_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     if campaign.mismatch and cells and not any(c.get("determined", True) for c in cells.values()):

@@ -7,6 +7,7 @@ from pathlib import Path
 from ..camera.length_warnings import length_warnings
 from ..files import read_json, read_json_if_present, write_json
 from ..study import load_study
+from ..study.setup_warnings import inertia_warnings
 from ..trial_warnings import trial_warnings, unchecked_clock_notes
 from .layout import ResultPaths, remove_files
 from .manifest import write_manifest
@@ -38,6 +39,7 @@ def outcome(study: Path, results: Path) -> list[str]:
         *trial_warnings(loaded, statuses),
         *unchecked_clock_notes(loaded),
         *length_warnings(geometry, mismatch, index),
+        *inertia_warnings(loaded.setup.robot, mismatch),
     ]
     remove_files([done])
     if changed := write_manifest(study, results):

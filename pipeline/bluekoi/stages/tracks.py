@@ -12,6 +12,7 @@ from ..camera.calibration_uncertainty import calibration_covariance_at_places
 from ..camera.picture_bounds import check_within_picture
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
+from ..camera.turned_picture import turned_picture_record
 from ..data import FlappingFrequency, SteadyState, Track, write_pose, write_track
 from ..errors import InputError, input_error
 from ..files import read_json
@@ -23,6 +24,7 @@ from ..motor.swimming_plausibility import (
     swimming_numbers,
     tail_length_seen,
 )
+from ..pose.exchanged_frames import exchange_back
 from ..pose.plausibility import checked_rigid_pose
 from ..pose.trial_comparison import status_of_body_measurements
 from ..smoothing import smooth_with_noise_ratio
@@ -66,7 +68,9 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
     if trial.reads_keypoints and study.setup.camera:
         check_within_picture(study.paths(trial)[0], found, study.setup.camera.image_size_px)
     depth = keypoint_depth(study.setup, layout)
-    positions = map_keypoints(camera, found, depth)
+    positions, exchanged = exchange_back(
+        map_keypoints(camera, found, depth), study.setup.robot, trial.head_length_m
+    )
     try:
         pose = checked_rigid_pose(study, trial, positions)
     except InputError:
@@ -99,6 +103,8 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
         "swimming": swimming,
         "tail_m": tail_length_seen(positions),
         "body": status_of_body_measurements(found, positions, pose, study.setup.robot, trial),
+        "exchanged_frames": exchanged,
+        "turned_picture": turned_picture_record(camera, found, depth),
         "pool_edges": edges,
     }
 

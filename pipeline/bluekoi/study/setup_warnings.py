@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from .consistency_rules import WIDTH_TO_HEIGHT_RANGE
 
 if TYPE_CHECKING:
     from .setup import Camera, Robot, StudySettings
 
-MIN_GYRATION_RADIUS_LENGTHS = 0.1
-"""Radius of gyration over length: below, all mass would lie in the middle third of the body."""
+GYRATION_RADIUS_RANGE_LENGTHS = ((1 / 28) ** 0.5, (7 / 48) ** 0.5)
+"""Radius of gyration over length: that of a spindle (a parabola turned about its axis), 0.19, and
+that of a rod with all mass in its outer quarters, 0.38. A uniform rod has (1/12)^0.5 = 0.29."""
+INERTIA_MIMICS = ("thrust_line_offset",)
+"""Causes that the finder names where yaw inertia or mass alone is wrong (docs/results.md)."""
+MIN_MIMIC_PROBABILITY = 0.5
+"""As for the causes that the finder names."""
 MAX_VALIDATED_BODY_LENGTH_M = 0.6
 """Longest robots of the studies on which the finder was right as often as stated
 (docs/evidence.md, Large robots)."""
@@ -58,13 +64,31 @@ def _unvalidated_size_warnings(robot: Robot) -> list[str]:
 def _gyration_radius_warnings(robot: Robot) -> list[str]:
     length = robot.body_length_m + robot.tail_length_m
     radius = (robot.yaw_inertia_kg_m2 / robot.mass_kg) ** 0.5
-    if radius >= MIN_GYRATION_RADIUS_LENGTHS * length:
+    low, high = GYRATION_RADIUS_RANGE_LENGTHS
+    if low * length <= radius <= high * length:
         return []
     return [
         f"yaw_inertia_kg_m2 {robot.yaw_inertia_kg_m2:g} and mass_kg {robot.mass_kg:g} give a "
         f"radius of gyration of {radius:.3f} m, {radius / length:.2f} of the length from nose to "
-        "tail tip (a uniform rod has 0.29). Check both and their units: all coefficients are "
+        f"tail tip (expected: {low:.2f}, a spindle, to {high:.2f}, a rod with its mass at the "
+        "ends; a uniform rod has 0.29). Check both and their units: all coefficients are "
         "proportional to mass_kg."
+    ]
+
+
+def inertia_warnings(robot: Robot, mismatch: Mapping[str, Any] | None) -> list[str]:
+    """A sentence where a cause is probable that a wrong yaw inertia or mass looks like.
+
+    mismatch: content of mismatch.json.
+    """
+    probabilities = (mismatch or {}).get("probabilities") or {}
+    return [
+        f"{name} has a probability of {probabilities[name]:.2f}, and a wrong yaw_inertia_kg_m2 or "
+        f"mass_kg looks like it. study.yaml has {robot.yaw_inertia_kg_m2:g} kg m2 and "
+        f"{robot.mass_kg:g} kg: check that both were measured, and their units, before you rely "
+        "on this cause."
+        for name in INERTIA_MIMICS
+        if probabilities.get(name, 0.0) > MIN_MIMIC_PROBABILITY
     ]
 
 

@@ -619,11 +619,16 @@ def test_a_run_without_any_clock_says_so_in_its_outcome(tmp_path):
     assert text.startswith("No trial has a motor_log or flap_hz: nothing can check fps.")
 
 
-def test_a_robot_larger_than_those_of_the_validation_is_a_warning(tmp_path):
+@pytest.mark.parametrize(
+    ("times", "warned"), [(0.5, True), (0.7, False), (3.5, False), (4.0, True)]
+)
+def test_a_robot_of_another_size_than_those_of_the_validation_is_a_warning(tmp_path, times, warned):
+    """Similar robots, 0.331 m times a factor; 0.2 to 1.2 m were validated."""
     setup = load_study(small_study(tmp_path / "study")).setup
-    assert setup_warnings(setup) == []
-    size = {"body_length_m": 0.82, "head_length_m": 0.3, "mass_kg": 9.6, "head_span_m": 0.17,
-            "yaw_inertia_kg_m2": 0.885}  # fmt: skip
-    large = setup.model_copy(update={"robot": setup.robot.model_copy(update=size)})
-    (text,) = setup_warnings(large)
-    assert text.startswith("body_length_m 0.82 is more than the 0.6 m up to which the search")
+    robot = setup.robot
+    powers = {"body_length_m": 1, "head_length_m": 1, "head_span_m": 1, "tail_length_m": 1,
+              "hinge_to_com_m": 1, "mass_kg": 3, "yaw_inertia_kg_m2": 5}  # fmt: skip
+    size = {name: getattr(robot, name) * times**power for name, power in powers.items()}
+    found = setup_warnings(setup.model_copy(update={"robot": robot.model_copy(update=size)}))
+    length = f"body_length_m {size['body_length_m']:g} is outside 0.2 to 1.2 m"
+    assert [text.startswith(length) for text in found] == [True] * warned

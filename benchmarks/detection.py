@@ -30,8 +30,8 @@ from bluekoi.footage import frames, open_recording
 from bluekoi.keypoints import silhouette
 from bluekoi.study import Study, Trial, load_study
 from bluekoi.synthetic.campaign import render_study
-from bluekoi.synthetic.conditions import MIDDLE_CONDITIONS
-from bluekoi.synthetic.design import filming_conditions_design
+from bluekoi.synthetic.design import picture_conditions_design
+from bluekoi.synthetic.picture_conditions import MIDDLE_PICTURE_CONDITIONS
 
 MIN_SPEED_RATIO = 0.93
 MAX_MEMORY_MB = 600
@@ -46,9 +46,9 @@ def render_clip(folder: Path, size: str, codec: str, count: int) -> Path:
         return study
     size_px, rate = SIZES[size]
     state = replace(
-        MIDDLE_CONDITIONS, size_px=size_px, mbit_s=rate, codec=codec, preset="superfast"
+        MIDDLE_PICTURE_CONDITIONS, size_px=size_px, mbit_s=rate, codec=codec, preset="superfast"
     )
-    design = filming_conditions_design(state, longest_s=count / 29.97)
+    design = picture_conditions_design(state, longest_s=count / 29.97)
     design = replace(design, plans=design.plans[1:2])
     render_study(design, study, folder / f"{study.name}-truth", workers=1)
     return study

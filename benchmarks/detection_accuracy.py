@@ -31,8 +31,8 @@ from bluekoi.footage import frames, open_recording
 from bluekoi.keypoints import source_module
 from bluekoi.study import Study, Trial, load_study
 from bluekoi.synthetic.campaign import render_study
-from bluekoi.synthetic.conditions import CONDITIONS_BY_NAME
-from bluekoi.synthetic.design import filming_conditions_design
+from bluekoi.synthetic.design import picture_conditions_design
+from bluekoi.synthetic.picture_conditions import PICTURE_CONDITIONS_BY_NAME
 
 MAX_MEDIAN_PX = 0.3
 PULL_RANGE = (0.9, 1.1)
@@ -41,7 +41,7 @@ MAX_WRONG_SHARE = 1e-3
 MAX_SWAPPED_FRAMES = 1
 RIGID_KEYPOINTS = BODY_PART_NAMES[:3]
 MARKER_HUES = {"head_tip": 2, "hinge": 50, "core_center": 128, "tail_base": 306, "tail_tip": 29}
-STEPS_WITH_STILL_CAMERA = tuple(step for step in CONDITIONS_BY_NAME if step != "nudged")
+STEPS_WITH_STILL_CAMERA = tuple(step for step in PICTURE_CONDITIONS_BY_NAME if step != "nudged")
 EVENLY_LIT_STEPS = ("calm", "middle", "noise", "glare", "caustics", "blur", "compression")
 PICTURE_SIZES_PX = {
     "848x480": (848, 480),
@@ -141,9 +141,9 @@ def render_step(
     """Study folder of a step, rendered where it is not there yet; with coloured dots or without."""
     study = folder / f"{step}{'-dots' * dots}-{size}-{seed}-{seconds:g}"
     if not (study / "truth.sha256").exists():
-        state = replace(CONDITIONS_BY_NAME[step], size_px=PICTURE_SIZES_PX[size])
+        state = replace(PICTURE_CONDITIONS_BY_NAME[step], size_px=PICTURE_SIZES_PX[size])
         state = replace(state, markers=state.markers or dots)
-        design = filming_conditions_design(state, seed, longest_s=seconds)
+        design = picture_conditions_design(state, seed, longest_s=seconds)
         render_study(design, study, truth_folder_of(study), workers=2)
     return study
 
@@ -232,7 +232,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", nargs="+", type=int, default=[13, 21, 31])
     parser.add_argument(
-        "--steps", nargs="+", default=list(CONDITIONS_BY_NAME), choices=list(CONDITIONS_BY_NAME)
+        "--steps",
+        nargs="+",
+        default=list(PICTURE_CONDITIONS_BY_NAME),
+        choices=list(PICTURE_CONDITIONS_BY_NAME),
     )
     parser.add_argument("--size", default="1080p", choices=list(PICTURE_SIZES_PX))
     parser.add_argument("--seconds", type=float, default=3.4)

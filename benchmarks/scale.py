@@ -26,8 +26,8 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))  # validation/
 
 from bluekoi.synthetic.campaign import render_trial, write_study_files  # noqa: E402
-from bluekoi.synthetic.conditions import FilmingConditions  # noqa: E402
-from bluekoi.synthetic.design import filming_conditions_design  # noqa: E402
+from bluekoi.synthetic.design import picture_conditions_design  # noqa: E402
+from bluekoi.synthetic.picture_conditions import PictureConditions  # noqa: E402
 from validation.generators.concealed.studies import generate  # noqa: E402
 
 CLOCK_TICKS_PER_S = os.sysconf("SC_CLK_TCK")
@@ -37,7 +37,7 @@ FIN_STUDY_SEED = (811, 0)
 
 def filmed_study(folder: Path) -> Path:
     """Three rendered trials of three to four seconds at 1080p: straight, a turn to either side."""
-    design = filming_conditions_design(FilmingConditions())
+    design = picture_conditions_design(PictureConditions())
     write_study_files(design, folder, source="videos/{}.mp4", fps=None)
     for plan in design.plans:
         render_trial(design, plan.trial_id, folder, folder.with_name("truth"), threads=1)

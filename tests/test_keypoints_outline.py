@@ -24,9 +24,9 @@ from bluekoi.keypoints.outline.ghost_removal import _write_unhidden_median
 from bluekoi.keypoints.outline.plane import swimming_plane
 from bluekoi.keypoints.outline.tail_detection import tail_length
 from bluekoi.keypoints.outline.template import initial_template, nan_median, with_learned_outline
-from bluekoi.synthetic.conditions import CONDITIONS_BY_NAME
-from bluekoi.synthetic.design import filming_conditions_design
+from bluekoi.synthetic.design import picture_conditions_design
 from bluekoi.synthetic.optics import gopro_like_camera
+from bluekoi.synthetic.picture_conditions import PICTURE_CONDITIONS_BY_NAME
 from bluekoi.synthetic.trial import frame_truth, solve_trial
 
 
@@ -58,7 +58,7 @@ def test_no_edge_where_there_is_none():
 
 
 def test_plane_agrees_with_independent_optics():
-    design = filming_conditions_design(CONDITIONS_BY_NAME["middle"])
+    design = picture_conditions_design(PICTURE_CONDITIONS_BY_NAME["middle"])
     trial = solve_trial(design, STRAIGHT)
     truth = frame_truth(design, trial)
     plane = swimming_plane(setup_of_design(design))
@@ -71,7 +71,8 @@ def test_plane_agrees_with_independent_optics():
 @pytest.mark.parametrize("lens", ["pinhole", "fisheye"])
 def test_the_plane_is_as_near_as_it_says_whatever_the_lens(lens):
     design = replace(
-        filming_conditions_design(CONDITIONS_BY_NAME["middle"]), camera=gopro_like_camera(lens)
+        picture_conditions_design(PICTURE_CONDITIONS_BY_NAME["middle"]),
+        camera=gopro_like_camera(lens),
     )
     setup = setup_of_design(design)
     x, y = np.meshgrid(np.linspace(0.03, 2.55, 41), np.linspace(0.02, 1.57, 29))
@@ -147,7 +148,7 @@ def test_resting_body_is_bridged():
 
 
 def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length():
-    design = filming_conditions_design(CONDITIONS_BY_NAME["middle"])
+    design = picture_conditions_design(PICTURE_CONDITIONS_BY_NAME["middle"])
     setup, trial = setup_of_design(design), trial_of_plan(design.plans[1])
     start = initial_template(setup.robot, trial, 0.103, 60.0)
     visible = start.visible_stations()

@@ -13,10 +13,10 @@ from bluekoi.data import BODY_PART_NAMES, Frame
 from bluekoi.errors import InputError
 from bluekoi.keypoints import markers, silhouette
 from bluekoi.study import StudySettings, Trial
-from bluekoi.synthetic.conditions import CONDITIONS_BY_NAME
-from bluekoi.synthetic.design import filming_conditions_design
+from bluekoi.synthetic.design import picture_conditions_design
 from bluekoi.synthetic.footage import render_frames
 from bluekoi.synthetic.optics import pool_corners
+from bluekoi.synthetic.picture_conditions import PICTURE_CONDITIONS_BY_NAME
 from bluekoi.synthetic.trial import camera_at, frame_truth, solve_trial
 
 RIGID_KEYPOINTS = (0, 1, 2)
@@ -55,7 +55,7 @@ def rendered_trial(
     step: str, name: str, *, seconds: float = 2.4, every: int = 4, colour: bool = False
 ):
     """Frames, setup, trial and true keypoints (frames, 5, 2) of one rendered trial."""
-    design = filming_conditions_design(CONDITIONS_BY_NAME[step], longest_s=seconds)
+    design = picture_conditions_design(PICTURE_CONDITIONS_BY_NAME[step], longest_s=seconds)
     trial = solve_trial(design, name)
     number = range(0, len(trial.time_s), every)
     thinned = replace(trial, time_s=trial.time_s[::every])

@@ -25,7 +25,7 @@ from bluekoi.keypoints import silhouette
 from bluekoi.stages.compiling_detector import preload
 from bluekoi.study import StudySettings, Trial
 from bluekoi.synthetic.campaign import study_contents
-from bluekoi.synthetic.conditions import FilmingConditions
+from bluekoi.synthetic.picture_conditions import PictureConditions
 from bluekoi.synthetic.design import demo_design
 from bluekoi.synthetic.footage import render_frames
 from bluekoi.synthetic.trial import solve_trial
@@ -38,7 +38,7 @@ def compiled():
 
 preload()
 before = compiled()
-design = replace(demo_design(), conditions=FilmingConditions(size_px=(640, 360)))
+design = replace(demo_design(), conditions=PictureConditions(size_px=(640, 360)))
 trial = solve_trial(design, "T20")
 few = replace(trial, time_s=trial.time_s[::8])
 film = [Frame(i, float(few.time_s[i]), p.luma) for i, p in enumerate(render_frames(design, few))]

@@ -27,7 +27,7 @@ POOL_GRID_POINTS, RADIUS_TABLE_POINTS = (12, 8), 50
 """Points of the pool (along, across) at which a displacement is taken, and radii of its table."""
 GRID_MARGIN_TO_WALL_M = 0.08
 """Distance of the outermost points from the walls."""
-MIN_DISPLACEMENT_M = 1e-9
+MIN_LENS_ERROR_DISPLACEMENT_M = 1e-9
 """Displacements below this, m, count as zero."""
 
 
@@ -108,7 +108,7 @@ def _lens_error_constants(
     seen = np.isfinite(moved).all(axis=1)
     rest = float(np.dot(middle, middle))
     size = float(np.abs(moved[seen]).max(initial=0.0))
-    if size < MIN_DISPLACEMENT_M:
+    if size < MIN_LENS_ERROR_DISPLACEMENT_M:
         return middle, rest, (0.0, 0.0)
     target = np.ravel(moved[seen] / size)
 

@@ -26,7 +26,8 @@ MAX_FX_FY_DIFFERENCE_SHARE = 0.05
 MAX_PRINCIPAL_POINT_OFFSET_SHARE = 0.10
 """Distance of the principal point from the middle of the picture, over its size."""
 MAX_CORNER_RMS_SHARE_OF_WIDTH = 1 / 1280
-"""Reprojection error over the picture's width, below which no view is an outlier."""
+"""Reprojection error over the picture's width, up to which a lens is accepted and no view is an
+outlier."""
 MIN_BOARD_TILT_DEG = 15.0
 """Tilt of the board below which a view counts as frontal."""
 MIN_TILTED_VIEWS = 3

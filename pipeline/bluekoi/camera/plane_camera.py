@@ -9,7 +9,7 @@ from ..errors import input_error
 from .lens import Lens, project_to_pixels
 from .pool_projection import PoolCamera, apply_homography
 from .refraction import surface_points_of_light_paths
-from .resection import CORNER_ORDERS, diagonal_px, pose_from_marks, rms_length_px
+from .resection import CORNER_ORDERS, pool_diagonal_px, pose_from_marks, rms_length_px
 
 ASSUMED_DISTORTION_K1 = -0.2
 """Radial distortion of a usual wide lens, by which the error of a homography is estimated."""
@@ -19,7 +19,7 @@ GRID_POINTS_PER_SIDE = 15
 """Points along each side of the pool at which that error is evaluated."""
 START_FOCAL_LENGTHS_IN_WIDTHS = (0.4, 0.5, 0.65, 0.85, 1.1, 1.5, 2.2)
 """Focal lengths, over the picture's width, from which the pose is searched."""
-MAX_POSE_MISFIT_SHARE_OF_DIAGONAL = 0.04
+MAX_POSE_MISFIT_SHARE_OF_POOL_DIAGONAL = 0.04
 """Misfit of the corners, over the pool's diagonal in the picture, above which they are refused."""
 NO_MATRIX_REMARK = "camera without a matrix"
 """Beginning of the remark on such a camera."""
@@ -108,7 +108,7 @@ def _size_covering_corners(corners_px: Float) -> tuple[int, int]:
 
 def _check_corner_order(corners_px: Float, corners_m: Float, size_px: tuple[int, int]) -> None:
     """Raise a InputError where a camera with square pixels fits another order of corners only."""
-    limit = MAX_POSE_MISFIT_SHARE_OF_DIAGONAL * diagonal_px(corners_px)
+    limit = MAX_POSE_MISFIT_SHARE_OF_POOL_DIAGONAL * pool_diagonal_px(corners_px)
     if _least_pose_error_px(corners_px, corners_m, size_px) <= limit:
         return
     for order, words in CORNER_ORDERS.items():

@@ -16,9 +16,9 @@ from .boards import GreyPicture
 from .png_file import PngPixels, write_png
 from .pool_corner_fit import EDGE_NAMES, CornerFit, fit_corners
 from .pool_projection import PoolCamera, pool_to_pixels
-from .resection import CORNER_NAMES, diagonal_px
+from .resection import CORNER_NAMES, pool_diagonal_px
 from .study_camera import (
-    CORNER_TOLERANCE_SHARE_OF_DIAGONAL,
+    CORNER_TOLERANCE_SHARE_OF_POOL_DIAGONAL,
     lens_of_camera_section,
     pool_camera,
     pool_corners_m,
@@ -35,7 +35,7 @@ GIVEN_CORNERS_BGR, MAPPED_GRID_BGR, SEEN_EDGES_BGR, FITTED_CORNERS_BGR = (
 """Colours (blue, green, red) of the corners given, the grid mapped from them, the edges seen and
 the corners fitted.
 """
-MAX_CORNER_OFFSET_SIGMAS = 3.0
+MAX_POOL_CORNER_OFFSET_SIGMAS = 3.0
 """Standard deviations by which a given corner may be off the fitted one."""
 
 
@@ -142,7 +142,7 @@ def _pose_misfit_sentence(
         )
     except InputError as error:
         return (f"the corners found fit no camera: {error}",)
-    if camera.rms_px <= CORNER_TOLERANCE_SHARE_OF_DIAGONAL * diagonal_px(fit.corners_px):
+    if camera.rms_px <= CORNER_TOLERANCE_SHARE_OF_POOL_DIAGONAL * pool_diagonal_px(fit.corners_px):
         return ()
     return (f"the corners found miss the best pose by {camera.rms_px:.1f} px rms",)
 
@@ -157,8 +157,8 @@ def with_pool_corners(setup: StudySettings, corners_px: Float) -> StudySettings:
 def corner_tolerance_px(fit: CornerFit, given_px: Float) -> Float:
     """Distance (4,) px by which a corner given by eye may lie from the one found."""
     return np.hypot(
-        MAX_CORNER_OFFSET_SIGMAS * fit.std_px,
-        CORNER_TOLERANCE_SHARE_OF_DIAGONAL * diagonal_px(given_px),
+        MAX_POOL_CORNER_OFFSET_SIGMAS * fit.std_px,
+        CORNER_TOLERANCE_SHARE_OF_POOL_DIAGONAL * pool_diagonal_px(given_px),
     )
 
 

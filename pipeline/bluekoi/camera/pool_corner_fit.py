@@ -20,19 +20,19 @@ from .pool_edges import (
     find_edge_lines,
     smooth_frame,
 )
-from .resection import diagonal_px
+from .resection import pool_diagonal_px
 
 EDGE_NAMES = ("(0,0) to (length,0)", "(length,0) to (length,width)", "(length,width) to (0,width)",
          "(0,width) to (0,0)")  # fmt: skip
 """Edges of the pool by the corners between which they run."""
 WIDE_SEARCH_RANGE_SHARE_OF_WIDTH, NARROW_SEARCH_RANGE_SHARE_OF_WIDTH = 0.04, 0.012
 """Search reach over the picture's width: around the corners given, and around corners found."""
-MAX_CORNER_FIT_ITERATIONS = 12
-CORNER_CONVERGENCE_PX = 0.05
+MAX_POOL_CORNER_FIT_ITERATIONS = 12
+POOL_CORNER_CONVERGENCE_PX = 0.05
 """Movement of the corners, px, below which the fit has converged."""
-CLICK_ERROR_SHARE_OF_DIAGONAL = 0.002
+CLICK_ERROR_SHARE_OF_POOL_DIAGONAL = 0.002
 """Usual error of a corner given by eye, over the pool's diagonal in the picture."""
-MAX_CORNER_STD_SHARE_OF_DIAGONAL = 0.001
+MAX_CORNER_STD_SHARE_OF_POOL_DIAGONAL = 0.001
 """Corners less certain than this share of the diagonal are not confirmed."""
 MIN_CROSSING_SINE = 0.2
 """Sine of the angle between two edges, below which their crossing is no corner."""
@@ -76,7 +76,9 @@ class CornerFit:
         reasons = []
         if not self.converged:
             reasons.append(f"the corners still move after {self.iterations} iterations")
-        if np.max(self.std_px) > MAX_CORNER_STD_SHARE_OF_DIAGONAL * diagonal_px(self.corners_px):
+        if np.max(self.std_px) > MAX_CORNER_STD_SHARE_OF_POOL_DIAGONAL * pool_diagonal_px(
+            self.corners_px
+        ):
             reasons.append(f"the corners found are uncertain by {np.max(self.std_px):.1f} px")
         if self.rim_px > 0:
             reasons.append(
@@ -102,18 +104,18 @@ def fit_corners(
     view = (lens, corners_m) if lens and corners_m is not None else None
     width, assumed = grey.shape[1], lens is None
     lens = lens or lens_from_straight_edges(picture, given_px, WIDE_SEARCH_RANGE_SHARE_OF_WIDTH)
-    click = CLICK_ERROR_SHARE_OF_DIAGONAL * diagonal_px(given_px)
+    click = CLICK_ERROR_SHARE_OF_POOL_DIAGONAL * pool_diagonal_px(given_px)
     corners, reach, iteration = given_px, WIDE_SEARCH_RANGE_SHARE_OF_WIDTH * width, 0
     lines: tuple[EdgeLine | None, ...] = (None,) * 4
     curves, converged = _expected_edge_curves(given_px, lens), False
-    for iteration in range(1, MAX_CORNER_FIT_ITERATIONS + 1):
+    for iteration in range(1, MAX_POOL_CORNER_FIT_ITERATIONS + 1):
         near = given_px if iteration == 1 else corners
         found = [find_edge_lines(picture, curve, reach) for curve in curves]
         lines = _select_edge_lines(curves, found, (near, click), view)
         if None in lines:
             break
         moved = _intersect_neighbouring_edges(curves, lines)
-        converged = bool(np.max(np.abs(moved - corners)) < CORNER_CONVERGENCE_PX)
+        converged = bool(np.max(np.abs(moved - corners)) < POOL_CORNER_CONVERGENCE_PX)
         corners, reach = moved, NARROW_SEARCH_RANGE_SHARE_OF_WIDTH * width
         if assumed and iteration == 1:  # the lens of corners some pixels off is not yet right
             lens = lens_from_straight_edges(picture, corners, NARROW_SEARCH_RANGE_SHARE_OF_WIDTH)

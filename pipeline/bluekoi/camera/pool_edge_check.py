@@ -11,10 +11,10 @@ from ..study import StudySettings
 from ..study.recording_pixels import setup_in_film_pixels
 from .boards import GreyPicture
 from .pool_corner_fit import CornerFit, fit_corners
-from .resection import diagonal_px
+from .resection import pool_diagonal_px
 from .study_camera import lens_of_camera_section, pool_corners_m
 
-CAMERA_MOVED_SHARE_OF_DIAGONAL = 0.004
+CAMERA_MOVED_SHARE_OF_POOL_DIAGONAL = 0.004
 """Edges farther from the corners given than this share of the pool's diagonal in the picture: twice
 what `bluekoi pool` puts down to a corner given by eye.
 """
@@ -55,15 +55,17 @@ def compare_pool_edges(grey: GreyPicture, setup: StudySettings) -> PoolEdgeCheck
         pool_corners_m(setup),
     )
     given, lens = np.array(camera.pool_corners_px, dtype=float), lens_of_camera_section(camera)
-    diagonal = diagonal_px(given)
+    diagonal = pool_diagonal_px(given)
     fit = fit_corners(grey, given, lens, corners_m)
     off = _largest_corner_distance_px(fit, given)
-    moved = off is not None and off > CAMERA_MOVED_SHARE_OF_DIAGONAL * diagonal
+    moved = off is not None and off > CAMERA_MOVED_SHARE_OF_POOL_DIAGONAL * diagonal
     turned = False
     if moved or off is None:
         about = np.array(grey.shape[::-1]) - 1.0 - given
         off_turned = _largest_corner_distance_px(fit_corners(grey, about, lens, corners_m), about)
-        turned = off_turned is not None and off_turned <= CAMERA_MOVED_SHARE_OF_DIAGONAL * diagonal
+        turned = (
+            off_turned is not None and off_turned <= CAMERA_MOVED_SHARE_OF_POOL_DIAGONAL * diagonal
+        )
     px_per_m = diagonal / float(np.linalg.norm(corners_m[2] - corners_m[0]))
     found = sum(line is not None for line in fit.lines)
     return PoolEdgeCheck(found, off, None if off is None else off / px_per_m, moved, turned)

@@ -21,7 +21,7 @@ CORNER_ORDERS = {
     (0, 3, 2, 1): "swap the second and the fourth",
 }
 """Order in which corners may have been listed by mistake, and what to do about it."""
-MAX_REPROJECTION_SHARE_OF_DIAGONAL = 0.015
+MAX_REPROJECTION_SHARE_OF_POOL_DIAGONAL = 0.015
 """Misfit of the corners, over the pool's diagonal in the picture, above which they are refused."""
 POSE_DERIVATIVE_STEP = 1e-7
 """Step of the difference quotients with respect to the pose (rad, m)."""
@@ -99,7 +99,7 @@ def pool_rectangle(length_m: float, width_m: float, height_m: float) -> Float:
 
 def corner_order_that_fits(lens: Lens, corners_px: Float, corners_m: Float, index: float) -> str:
     """Words for the order of corners that fits, or nothing where no order does."""
-    limit = MAX_REPROJECTION_SHARE_OF_DIAGONAL * diagonal_px(corners_px)
+    limit = MAX_REPROJECTION_SHARE_OF_POOL_DIAGONAL * pool_diagonal_px(corners_px)
     for order, words in CORNER_ORDERS.items():
         turn, shift, residuals = pose_from_marks(lens, corners_px[list(order)], corners_m, index)
         above = (-turn.T @ shift)[2] > 0
@@ -108,7 +108,7 @@ def corner_order_that_fits(lens: Lens, corners_px: Float, corners_m: Float, inde
     return ""
 
 
-def diagonal_px(corners_px: Float) -> float:
+def pool_diagonal_px(corners_px: Float) -> float:
     """Mean length of the pool's two diagonals in the picture, px."""
     return float(np.mean(np.linalg.norm(corners_px[:2] - corners_px[2:], axis=1)))
 

@@ -15,16 +15,16 @@ from .plane_camera import homography_camera
 from .pool_projection import PoolCamera
 from .resection import (
     CORNER_NAMES,
-    MAX_REPROJECTION_SHARE_OF_DIAGONAL,
+    MAX_REPROJECTION_SHARE_OF_POOL_DIAGONAL,
     corner_order_that_fits,
-    diagonal_px,
+    pool_diagonal_px,
     pool_rectangle,
     pose_from_marks,
 )
 
 CORNER_CLICK_ERROR_PX = 1.0
 """Usual error of a corner given by eye, px, in a picture `REFERENCE_WIDTH_PX` wide."""
-CORNER_TOLERANCE_SHARE_OF_DIAGONAL = 0.002
+CORNER_TOLERANCE_SHARE_OF_POOL_DIAGONAL = 0.002
 """Error of a corner that is tolerated, over the pool's diagonal in the picture."""
 REFERENCE_WIDTH_PX = 1920
 """Width of the picture for which `CORNER_CLICK_ERROR_PX` holds."""
@@ -100,7 +100,7 @@ def camera_from_corners(
 
 
 def _check_camera_pose(camera: PoolCamera) -> None:
-    limit = MAX_REPROJECTION_SHARE_OF_DIAGONAL * diagonal_px(camera.corners_px)
+    limit = MAX_REPROJECTION_SHARE_OF_POOL_DIAGONAL * pool_diagonal_px(camera.corners_px)
     if camera.rms_px <= limit and camera.center_m[2] > 0:
         return
     assert camera.lens is not None
@@ -125,10 +125,10 @@ def _check_camera_pose(camera: PoolCamera) -> None:
 
 
 def _corner_misfit_remarks(camera: PoolCamera) -> tuple[str, ...]:
-    limit = CORNER_TOLERANCE_SHARE_OF_DIAGONAL * diagonal_px(camera.corners_px)
+    limit = CORNER_TOLERANCE_SHARE_OF_POOL_DIAGONAL * pool_diagonal_px(camera.corners_px)
     if camera.rms_px <= limit:
         return ()
-    scale = np.linalg.norm(camera.corners_m[2] - camera.corners_m[0]) / diagonal_px(
+    scale = np.linalg.norm(camera.corners_m[2] - camera.corners_m[0]) / pool_diagonal_px(
         camera.corners_px
     )
     return (

@@ -29,8 +29,8 @@ the lift at small angles. For a slender wing it is 2 over the aspect ratio (Polh
 p = 0 is the formula for a wing at small angles. p > 0 if the sideways flow contributes to the
 dynamic pressure, or if there is cross-flow drag. p < 0 for a fin that stalls gradually.
 
-g is the part of the force along the body. g > 0 is induced drag. g < 0 is leading-edge suction;
-with g = -1, the force is normal to the flow.
+g sets dX, the force of the fin along the body. g > 0 is induced drag. g < 0 is leading-edge
+suction; with g = -1 and w small against u, the force of the fin is normal to the flow.
 
 Source: Newman, Marine Hydrodynamics (1977), sec. 5.15 (lifting bodies of small aspect ratio);
 Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low aspect ratio); R. T.

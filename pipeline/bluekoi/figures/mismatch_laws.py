@@ -26,11 +26,11 @@ PANELS_PER_ROW = 3
 
 def reason_unavailable(campaign: Campaign) -> str:
     """Why there is nothing to draw; empty if a cause has a law."""
-    return "" if complete_force_curves(campaign) else "the search reports no law of a cause"
+    return "" if drawable_laws_by_cause(campaign) else "the search reports no law of a cause"
 
 
-def complete_force_curves(campaign: Campaign) -> dict[str, Mapping[str, Any]]:
-    """Name of a cause -> its law, for causes with a complete one."""
+def drawable_laws_by_cause(campaign: Campaign) -> dict[str, Mapping[str, Any]]:
+    """Name of a cause -> its law, for causes whose law has as many forces y as values x."""
     causes = (campaign.mismatch or {}).get("causes") or []
     found = {str(cause["name"]): cause.get("law") or {} for cause in causes}
     return {
@@ -42,7 +42,7 @@ def complete_force_curves(campaign: Campaign) -> dict[str, Mapping[str, Any]]:
 
 def render_figure(campaign: Campaign) -> Figure:
     """A panel for each cause with a law."""
-    found = complete_force_curves(campaign)
+    found = drawable_laws_by_cause(campaign)
     residuals = (campaign.mismatch_detail or {}).get("partial_residuals") or {}
     rows = -(-len(found) // PANELS_PER_ROW)
     columns = min(PANELS_PER_ROW, len(found))

@@ -9,11 +9,11 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import MAX_STEP_S
+from ..integrate.batch import MAX_INTEGRATION_STEP_S
 from .predictions import slots_by_name
 from .series import FreeParameter, TrialSeries, observations_and_weights, padded_arrays
 
-COARSE_STEP_S = 2 * MAX_STEP_S
+COARSE_INTEGRATION_STEP_S = 2 * MAX_INTEGRATION_STEP_S
 """Step of the integrator while a fit is led to where it may begin."""
 
 
@@ -37,7 +37,7 @@ class PaddedTrials:
     weight: Float
     prior: Float
     prior_std: Float
-    step_s: float = MAX_STEP_S
+    step_s: float = MAX_INTEGRATION_STEP_S
 
     def first_part(self, share: float) -> PaddedTrials:
         """The first share of each trial's frames, two at least; in longer steps unless all."""
@@ -48,7 +48,7 @@ class PaddedTrials:
             self, frames=frames, times=self.times[:, longest], inputs=self.inputs[:, longest],
             seen=self.seen[:, longest],
             weight=np.where(late[:, :, None], 0.0, self.weight[:, longest]),
-            step_s=MAX_STEP_S if share == 1.0 else COARSE_STEP_S,
+            step_s=MAX_INTEGRATION_STEP_S if share == 1.0 else COARSE_INTEGRATION_STEP_S,
         )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ from ..data import Float
 from .compiled_system import LANES, CompiledSystem
 from .system import System
 
-MAX_STEP_S = 1 / 60
+MAX_INTEGRATION_STEP_S = 1 / 60
 """Longest integration step, to 1 %: error of the paper's model below 0.01 mm over 8 s (tests)."""
 
 
@@ -48,7 +48,7 @@ def simulate_batch(
     times (blocks, frames), inputs (blocks, frames, inputs). With `seen` (blocks, frames,
     observations) and `gains` (blocks, frames, states, observations) each frame's state is
     corrected by the innovation; without, the simulation runs free. States only where asked for.
-    step_s: longest step; without, the system's own, else `MAX_STEP_S`.
+    step_s: longest step; without, the system's own, else `MAX_INTEGRATION_STEP_S`.
     """
     blocks, n = times.shape
     n_states, n_obs = len(kernel.system.all_states), len(kernel.system.observations)
@@ -59,7 +59,7 @@ def simulate_batch(
     gains = np.zeros((blocks, 0, n_states, n_obs)) if gains is None else gains
     on = _active_in_blocks(kernel.system, values)
     changes = np.flatnonzero((on[1:] != on[:-1]).any(axis=1)) + 1
-    step_s = step_s or kernel.system.longest_step_s(MAX_STEP_S)
+    step_s = step_s or kernel.system.longest_step_s(MAX_INTEGRATION_STEP_S)
     flat = [np.ascontiguousarray(a, dtype=np.float64).ravel() for a in (state, values, constants)]
     times = np.ascontiguousarray(times, dtype=np.float64)
     rest = [np.ascontiguousarray(a, dtype=np.float64) for a in (inputs, seen, gains)]

@@ -31,8 +31,9 @@ class Parameter:
     - plausible: typical magnitude of a strength, the width of its prior. Default: |start|;
     - symbol: name of the parameter in the equation of an effect. Default: `name`;
     - tries: further starting values, for parameters whose likelihood has several maxima. A fit
-      begins at the most likely one. For an error of the camera, these are the values for which the
-      change of the measured rigid lengths is computed.
+      begins at the most likely one. For an effect that describes an error of the camera, such as a
+      wrong lens, they have a second use: the finder computes for each of these values how the
+      effect changes the measured distance between two keypoints of the same rigid part.
     """
 
     name: str

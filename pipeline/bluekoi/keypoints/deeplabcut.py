@@ -42,13 +42,13 @@ def read_keypoints_of_trial(
     limit = {"min_likelihood": MIN_KEYPOINT_LIKELIHOOD} if is_written_by_bluekoi(Path(path)) else {}
     found = to_keypoints(table, Path(path), fps=fps, bodyparts=bodyparts, part_s=part_s, **limit)
     if len(found.time_s) == 0:
-        raise _empty_part_error(Path(path), trial, table.frame / fps)
+        raise _no_frame_in_time_range_error(Path(path), trial, table.frame / fps)
     sidecar = covariance_path(path)
     return _with_stored_covariance(found, sidecar) if sidecar.is_file() else found
 
 
-def _empty_part_error(path: Path, trial: Trial, time_s: Float) -> InputError:
-    """What is said where no frame of a file, at times (frames,) s, is between start_s and end_s."""
+def _no_frame_in_time_range_error(path: Path, trial: Trial, time_s: Float) -> InputError:
+    """Error for a file without a frame from start_s to end_s; time_s: of its frames, (frames,)."""
     if len(time_s) == 0:
         return input_error(path, "", "no frame", "a row a frame")
     asked = {"start_s": trial.start_s, "end_s": trial.end_s}

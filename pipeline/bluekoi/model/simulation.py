@@ -10,7 +10,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, compile_system
-from ..integrate.batch import MAX_STEP_S, in_lanes, simulate_batch
+from ..integrate.batch import MAX_INTEGRATION_STEP_S, in_lanes, simulate_batch
 from ..observation import CameraErrorInputs
 from ..study import Pool, Robot, Water
 from .plates import DYNAMICS_CONSTANT_NAMES, robot_system, trial_system
@@ -99,7 +99,7 @@ def simulate(
     head_angle_rad: float | Float,
     flap_hz: float | Float,
     duration_s: float,
-    dt_s: float = MAX_STEP_S,
+    dt_s: float = MAX_INTEGRATION_STEP_S,
     start: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
     effects: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Simulation:

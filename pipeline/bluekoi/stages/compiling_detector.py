@@ -11,9 +11,9 @@ from ..keypoints import silhouette
 from ..study import StudySettings, Trial
 from ..study.setup import DetectionSettings
 from ..synthetic.campaign import study_contents
-from ..synthetic.conditions import FilmingConditions
 from ..synthetic.design import demo_design
 from ..synthetic.footage import render_frames
+from ..synthetic.picture_conditions import PictureConditions
 from ..synthetic.trial import solve_trial
 
 SIZE_PX = (480, 270)
@@ -23,7 +23,7 @@ FRAME_STEP = 16
 def preload() -> None:
     """Detect the robot in a few small rendered frames, so that the detector is compiled."""
     cv2.setNumThreads(1)  # a process with threads of OpenCV cannot be forked
-    design = replace(demo_design(), conditions=FilmingConditions(size_px=SIZE_PX))
+    design = replace(demo_design(), conditions=PictureConditions(size_px=SIZE_PX))
     plan = design.plans[0]
     trial = solve_trial(design, plan.trial_id)
     few = replace(trial, time_s=trial.time_s[::FRAME_STEP])

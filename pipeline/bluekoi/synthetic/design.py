@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 
-from bluekoi.synthetic.conditions import MIDDLE_CONDITIONS, FilmingConditions
 from bluekoi.synthetic.laws import Coefficients, GroundTruthPhysics
 from bluekoi.synthetic.optics import Camera, gopro_like_camera
+from bluekoi.synthetic.picture_conditions import MIDDLE_PICTURE_CONDITIONS, PictureConditions
 
 SIMULATED_FLAP_HZ_BY_POWER: Mapping[int, float] = {50: 2.37, 75: 4.02, 100: 5.82}
 MAX_DURATION_S: Mapping[int, float] = {50: 6.4, 75: 4.4, 100: 3.4}
@@ -25,7 +25,8 @@ class TrialPlan:
 
 @dataclass(frozen=True)
 class StudyDesign:
-    """A whole study: its trials, the laws of its tank, its camera and conditions, its seed.
+    """A whole study: its trials, the laws of its tank, its camera and picture conditions,
+    its seed.
 
     `coefficients_at` replaces the tank's coefficients at a power (Table I); `flap_spread` is the
     relative spread of the beat frequency between trials.
@@ -36,7 +37,7 @@ class StudyDesign:
     tank: GroundTruthPhysics
     seed: int
     camera: Camera = field(default_factory=gopro_like_camera)
-    conditions: FilmingConditions = MIDDLE_CONDITIONS
+    conditions: PictureConditions = MIDDLE_PICTURE_CONDITIONS
     coefficients_at: Mapping[int, Coefficients] = field(default_factory=dict)
     flap_hz: Mapping[int, float] = field(default_factory=lambda: dict(SIMULATED_FLAP_HZ_BY_POWER))
     flap_spread: float = 0.004
@@ -61,7 +62,7 @@ DEMO_SETTINGS = (
 )
 
 
-DEMO_CONDITIONS = replace(MIDDLE_CONDITIONS, mbit_s=20.0)
+DEMO_PICTURE_CONDITIONS = replace(MIDDLE_PICTURE_CONDITIONS, mbit_s=20.0)
 """At 45 Mbit/s, as action cameras write, encoding and decoding take half of the demo's time."""
 
 
@@ -79,13 +80,15 @@ def demo_design(seed: int = 11) -> StudyDesign:
     """24 trials at 1080p: fin, gently moving water, recoil, and linear yaw damping."""
     tank = GroundTruthPhysics(yaw_damping_n_m_s=0.03)
     plans = numbered_plans((50, 75, 100), DEMO_SETTINGS)
-    return StudyDesign("demo", plans, tank, seed, water_rms_m_s=0.001, conditions=DEMO_CONDITIONS)
+    return StudyDesign(
+        "demo", plans, tank, seed, water_rms_m_s=0.001, conditions=DEMO_PICTURE_CONDITIONS
+    )
 
 
-def filming_conditions_design(
-    state: FilmingConditions, seed: int = 13, *, longest_s: float = 3.4
+def picture_conditions_design(
+    state: PictureConditions, seed: int = 13, *, longest_s: float = 3.4
 ) -> StudyDesign:
-    """Three trials (straight, turn to either side) filmed under the given conditions."""
+    """Three trials (straight, turn to either side) filmed under the given picture conditions."""
     plans = (
         TrialPlan("T01", 100, 0.0, 0.12, longest_s),
         TrialPlan("T02", 75, 30.0, 0.12, longest_s),

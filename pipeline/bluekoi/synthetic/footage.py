@@ -9,7 +9,6 @@ import numpy as np
 
 from bluekoi.synthetic import distractors
 from bluekoi.synthetic.body import DrawnShape
-from bluekoi.synthetic.conditions import FilmingConditions
 from bluekoi.synthetic.design import StudyDesign
 from bluekoi.synthetic.frame_drawing import (
     FilmSetup,
@@ -22,6 +21,7 @@ from bluekoi.synthetic.frame_drawing import (
 )
 from bluekoi.synthetic.glare import add_glare, random_lamp_reflections
 from bluekoi.synthetic.optics import Camera, pool_points_to_pixels
+from bluekoi.synthetic.picture_conditions import PictureConditions
 from bluekoi.synthetic.scene import PoolImagery, build_scene
 from bluekoi.synthetic.trial import SolvedTrial, camera_at, trial_rng
 
@@ -53,7 +53,7 @@ def _release_time_s(trial: SolvedTrial) -> complex:
 
 
 def distractors_at(
-    state: FilmingConditions, trial: SolvedTrial, time_s: float
+    state: PictureConditions, trial: SolvedTrial, time_s: float
 ) -> list[tuple[list[DrawnShape], float]]:
     """Bodies over the water at a time, each with its height (m)."""
     pool = trial.tank.pool_m

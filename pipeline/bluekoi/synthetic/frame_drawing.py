@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 
 from bluekoi.synthetic.body import DrawnShape, robot_parts
-from bluekoi.synthetic.conditions import FilmingConditions
 from bluekoi.synthetic.glare import GlarePatch
 from bluekoi.synthetic.laws import Robot
 from bluekoi.synthetic.optics import Camera, pool_points_to_pixels
+from bluekoi.synthetic.picture_conditions import PictureConditions
 from bluekoi.synthetic.raster import paint_polygons, pixels_to_canvas
 from bluekoi.synthetic.scene import FLOOR_RGB, PoolImagery, to_yuv
 
@@ -29,11 +29,11 @@ class ImagePlanes:
 
 @dataclass(frozen=True)
 class FilmSetup:
-    """What stays the same over a recording: pool, camera, conditions, noise tiles, lamps."""
+    """What is constant in a recording: pool, camera, picture conditions, noise tiles, lamps."""
 
     scene: PoolImagery
     camera: Camera
-    conditions: FilmingConditions
+    conditions: PictureConditions
     tiles: tuple[np.ndarray, np.ndarray]
     lamps: tuple[GlarePatch, ...] = ()
 

@@ -85,7 +85,7 @@ def displaced_camera(
     return replace(camera, rotation=rotation, centre_m=(x, y, z))
 
 
-def _surface_crossing_distance(
+def _horizontal_distance_to_surface_crossing(
     height: np.ndarray, depth: np.ndarray, across: np.ndarray, n: float
 ) -> np.ndarray:
     """Distance (m) from the foot of the camera to where the ray meets the surface.
@@ -113,7 +113,9 @@ def surface_point(camera: Camera, points_pool: np.ndarray) -> np.ndarray:
     across = np.hypot(offset[:, 0], offset[:, 1])
     depth = np.maximum(-points_pool[:, 2], 0.0)
     height = np.full_like(across, centre[2])
-    reach = _surface_crossing_distance(height, depth, across, camera.index_water / camera.index_air)
+    reach = _horizontal_distance_to_surface_crossing(
+        height, depth, across, camera.index_water / camera.index_air
+    )
     share = np.divide(reach, across, out=np.ones_like(across), where=across > 0)
     surface = np.column_stack([centre[:2] + offset * share[:, None], np.zeros_like(across)])
     return np.where((points_pool[:, 2] < 0)[:, None], surface, points_pool)

@@ -10,7 +10,8 @@ from typing import IO
 
 from ..errors import input_error
 
-TEMPORARY_FILE_NAME = re.compile(r"\..+-[a-z0-9_]{8}(\.\w+)?")
+TEMPORARY_FILE_NAME_PATTERN = re.compile(r"\..+-[a-z0-9_]{8}(\.\w+)?")
+"""Names of the temporary files of `files.atomic_write`."""
 
 
 def acquire_lock(results: Path) -> IO[str]:
@@ -58,8 +59,10 @@ def remove_stale_locks(locks: Path, results: Path) -> list[Path]:
 
 
 def remove_temporary_files(results: Path) -> list[Path]:
-    """Half-written temporary files of a killed run taken away; `files.whole_file` names them."""
-    left = [path for path in results.rglob(".*-*") if TEMPORARY_FILE_NAME.fullmatch(path.name)]
+    """Half-written temporary files of a killed run taken away; `files.atomic_write` names them."""
+    left = [
+        path for path in results.rglob(".*-*") if TEMPORARY_FILE_NAME_PATTERN.fullmatch(path.name)
+    ]
     for path in left:
         path.unlink(missing_ok=True)
     return left

@@ -17,13 +17,13 @@ PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
 """Folder of the installed package, wherever the Snakefile stands."""
 
 TEXT_SUFFIXES = {".py", ".html", ".css", ".js", ".txt", ".yaml", ".json"}
-IMPORT_STATEMENT = re.compile(
+IMPORT_STATEMENT_PATTERN = re.compile(
     r"^[ \t]*(?:from[ ]+(?P<base>[.\w]+)[ ]+import[ ]+(?P<names>\([^)]*\)|[^\n]+)"
     r"|import[ ]+(?P<modules>[^\n]+))",
     re.M,
 )
 """An import statement; to parse whole files takes ten times as long."""
-COMMENT = re.compile(r"#[^\n]*")
+COMMENT_PATTERN = re.compile(r"#[^\n]*")
 
 
 def source_fingerprint(*modules: str) -> str:
@@ -56,15 +56,17 @@ def _hash_and_imports(path: Path) -> tuple[str, tuple[Path, ...]]:
     """Hash of a file, and the files of the package that it imports, in functions as well."""
     content = path.read_bytes()
     text = content.decode() if path.suffix == ".py" else ""
-    statements = IMPORT_STATEMENT.finditer(text)
+    statements = IMPORT_STATEMENT_PATTERN.finditer(text)
     names = {name for one in statements for name in _imported_names(one, path)}
     files = tuple(file for name in sorted(names) for file in _module_files(PACKAGE_FOLDER, name))
     return hashlib.sha256(content).hexdigest(), files
 
 
 def _imported_names(found: re.Match[str], path: Path) -> Iterator[tuple[str, ...]]:
-    """Modules that a match of `IMPORT_STATEMENT` may import, as name parts below the package."""
-    listed = COMMENT.sub("", found["names"] or found["modules"]).strip("() \n")
+    """Modules that an import statement (match of `IMPORT_STATEMENT_PATTERN`) may import, as name
+    parts below the package.
+    """
+    listed = COMMENT_PATTERN.sub("", found["names"] or found["modules"]).strip("() \n")
     words = [part.split()[0] for part in listed.split(",") if part.strip()]
     if found["modules"]:
         parts = [tuple(word.split(".")) for word in words]

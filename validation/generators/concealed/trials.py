@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bluekoi.synthetic.body import body_point_positions
-from bluekoi.synthetic.conditions import MIDDLE_CONDITIONS
 from bluekoi.synthetic.design import StudyDesign, TrialPlan
 from bluekoi.synthetic.eddies import random_eddies
 from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
 from bluekoi.synthetic.laws import GroundTruthPhysics, TrialSettings
 from bluekoi.synthetic.optics import gopro_like_camera
+from bluekoi.synthetic.picture_conditions import MIDDLE_PICTURE_CONDITIONS
 from bluekoi.synthetic.tank import TrialMotion
 from bluekoi.synthetic.trial import (
     SolvedTrial,
@@ -41,7 +41,7 @@ CHECK_STEP_S = 0.05
 SINKING_DEPTH_M = 0.15
 """Depth (m) gained per unit of drag gained, while sinking."""
 NUDGE_M_PER_DEG = 0.0234
-FOOTAGE_CONDITIONS = replace(MIDDLE_CONDITIONS, mbit_s=20.0)
+FOOTAGE_PICTURE_CONDITIONS = replace(MIDDLE_PICTURE_CONDITIONS, mbit_s=20.0)
 
 
 @dataclass(frozen=True)
@@ -138,13 +138,15 @@ def simulate_trial(
 def design_while_filmed(recipe: Recipe, design: StudyDesign, trial: SolvedTrial) -> StudyDesign:
     """The design as it stands while a trial is filmed: the camera may have been displaced."""
     if recipe.fault is None or recipe.fault[0] != "camera_shift":
-        return replace(design, conditions=FOOTAGE_CONDITIONS)
+        return replace(design, conditions=FOOTAGE_PICTURE_CONDITIONS)
     numbers = [plan.trial_id for plan in design.plans]
     displaced_trial, now = len(numbers) // 2, numbers.index(trial.plan.trial_id)
     at = 0.55 * float(trial.time_s[-1]) if now == displaced_trial else -100.0
     degrees = recipe.fault[1] / NUDGE_M_PER_DEG
     state = replace(
-        FOOTAGE_CONDITIONS, nudge_at_s=None if now < displaced_trial else at, nudge_deg=degrees
+        FOOTAGE_PICTURE_CONDITIONS,
+        nudge_at_s=None if now < displaced_trial else at,
+        nudge_deg=degrees,
     )
     return replace(design, conditions=state)
 

@@ -90,7 +90,7 @@ def _pixels_and_covariances(
     arms[:, 2:] = [-template.com_bl, -template.core_bl]
     places = hinge[:, None] + arms * core[:, None]
     uv = _pixels_of_places(scene, places)
-    slope = _core_axes_jacobians(scene, hinge, core)
+    slope = _core_axes_to_pixel_jacobians(scene, hinge, core)
     moves = np.zeros((len(fits), 4, 2, 4))
     moves[..., 0, 0] = moves[..., 1, 1] = 1.0
     moves[..., 0, 2], moves[..., 1, 2] = -arms.imag, arms.real
@@ -111,10 +111,12 @@ def _pixels_of_places(scene: DetectionScene, places: npt.NDArray[np.complex128])
     return scene.plane.pixels(flat).reshape(*places.shape, 2)
 
 
-def _core_axes_jacobians(
+def _core_axes_to_pixel_jacobians(
     scene: DetectionScene, places: npt.NDArray[np.complex128], core: npt.NDArray[np.complex128]
 ) -> Float:
-    """d(u, v)/d(along, across) the core at places (n,), px per body length, (n, 2, 2)."""
+    """Change of the pixel (u, v) with a shift along and across the core at places (n,), px per body
+    length, (n, 2, 2).
+    """
     step = DERIVATIVE_STEP_BL * core[:, None] * np.array([1.0, 1j])
     ahead, behind = (_pixels_of_places(scene, places[:, None] + sign * step) for sign in (1, -1))
     return ((ahead - behind) / (2 * DERIVATIVE_STEP_BL)).swapaxes(1, 2)

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
-class FilmingConditions:
-    """State of light, camera and pool during one recording.
+class PictureConditions:
+    """What decides how hard the pictures of a recording are to read: light, noise, blur, obstacles.
 
     noise, chroma_noise     rms of the sensor noise, grey levels of 255
     caustics                rms of the moving light on the floor, share of the brightness
@@ -42,7 +42,7 @@ class FilmingConditions:
     nudge_deg: float = 0.25
 
 
-CALM_CONDITIONS = FilmingConditions(
+CALM_PICTURE_CONDITIONS = PictureConditions(
     noise=1.0,
     chroma_noise=0.5,
     caustics=0.03,
@@ -51,8 +51,8 @@ CALM_CONDITIONS = FilmingConditions(
     sub_frames=3,
     mbit_s=60.0,
 )
-MIDDLE_CONDITIONS = FilmingConditions()
-HARD_CONDITIONS = FilmingConditions(
+MIDDLE_PICTURE_CONDITIONS = PictureConditions()
+HARD_PICTURE_CONDITIONS = PictureConditions(
     noise=5.0,
     chroma_noise=2.5,
     caustics=0.16,
@@ -65,19 +65,19 @@ HARD_CONDITIONS = FilmingConditions(
     preset="superfast",
 )
 
-CONDITIONS_BY_NAME: Mapping[str, FilmingConditions] = {
-    "calm": CALM_CONDITIONS,
-    "middle": MIDDLE_CONDITIONS,
-    "hard": HARD_CONDITIONS,
-    "noise": replace(MIDDLE_CONDITIONS, noise=6.0, chroma_noise=3.0),
-    "glare": replace(MIDDLE_CONDITIONS, glare_spots=6, glare=200.0),
-    "caustics": replace(MIDDLE_CONDITIONS, caustics=0.18),
-    "blur": replace(MIDDLE_CONDITIONS, exposure_s=1 / 48, sub_frames=8),
-    "compression": replace(MIDDLE_CONDITIONS, mbit_s=8.0),
-    "occluder": replace(MIDDLE_CONDITIONS, occluder=True),
-    "hand": replace(MIDDLE_CONDITIONS, hand=True),
-    "second_body": replace(MIDDLE_CONDITIONS, second_body=True),
-    "leaving": replace(MIDDLE_CONDITIONS, view_shift_m=1.2),
-    "nudged": replace(MIDDLE_CONDITIONS, nudge_at_s=1.5),
-    "markers": replace(MIDDLE_CONDITIONS, markers=True),
+PICTURE_CONDITIONS_BY_NAME: Mapping[str, PictureConditions] = {
+    "calm": CALM_PICTURE_CONDITIONS,
+    "middle": MIDDLE_PICTURE_CONDITIONS,
+    "hard": HARD_PICTURE_CONDITIONS,
+    "noise": replace(MIDDLE_PICTURE_CONDITIONS, noise=6.0, chroma_noise=3.0),
+    "glare": replace(MIDDLE_PICTURE_CONDITIONS, glare_spots=6, glare=200.0),
+    "caustics": replace(MIDDLE_PICTURE_CONDITIONS, caustics=0.18),
+    "blur": replace(MIDDLE_PICTURE_CONDITIONS, exposure_s=1 / 48, sub_frames=8),
+    "compression": replace(MIDDLE_PICTURE_CONDITIONS, mbit_s=8.0),
+    "occluder": replace(MIDDLE_PICTURE_CONDITIONS, occluder=True),
+    "hand": replace(MIDDLE_PICTURE_CONDITIONS, hand=True),
+    "second_body": replace(MIDDLE_PICTURE_CONDITIONS, second_body=True),
+    "leaving": replace(MIDDLE_PICTURE_CONDITIONS, view_shift_m=1.2),
+    "nudged": replace(MIDDLE_PICTURE_CONDITIONS, nudge_at_s=1.5),
+    "markers": replace(MIDDLE_PICTURE_CONDITIONS, markers=True),
 }

@@ -30,7 +30,7 @@ BASE_DIMENSIONS = {
     "1": (0, 0, 0),
 }
 """Unit -> its powers of mass, length and time."""
-UNIT_FACTOR = re.compile(r"(/?)\s*(\([^)]*\)|[A-Za-z]+|1)\^?([\d.]*)")
+UNIT_FACTOR_PATTERN = re.compile(r"(/?)\s*(\([^)]*\)|[A-Za-z]+|1)\^?([\d.]*)")
 """A factor of a unit: whether it divides, its name or bracket, its power."""
 
 
@@ -76,7 +76,7 @@ def unit_dimensions(unit: str) -> tuple[float, float, float]:
     A stroke divides by the factor after it alone. Raises: KeyError for an unknown factor.
     """
     out = [0.0, 0.0, 0.0]
-    for stroke, factor, power in UNIT_FACTOR.findall(unit):
+    for stroke, factor, power in UNIT_FACTOR_PATTERN.findall(unit):
         inside = factor.startswith("(")
         own = unit_dimensions(factor[1:-1]) if inside else BASE_DIMENSIONS[factor]
         exponent = float(power or 1) * (-1.0 if stroke else 1.0)

@@ -19,7 +19,7 @@ LOG_LIK_DROP_95 = 1.92
 CURVE_WIDTH, CURVE_HEIGHT, MAX_DROP_SHOWN = 100.0, 60.0, 6.0
 """Size of a curve's drawing, and the largest drop in log likelihood that it shows."""
 CURVE_POINTS = 41
-COMBINATION_TERM = re.compile(r"([+-]\d*\.?\d+) d(\w+)/")
+COMBINATION_TERM_PATTERN = re.compile(r"([+-]\d*\.?\d+) d(\w+)/")
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def as_power_product(text: str) -> str:
     sum w_i dC_i/C_i = d ln prod C_i^w_i, so `+0.58 dC_T/C_T -0.37 dC_Da/C_Da` reads
     `C_T^0.58 · C_Da^−0.37`, and a single coefficient stands alone. Unknown formats unchanged.
     """
-    terms = COMBINATION_TERM.findall(text)
+    terms = COMBINATION_TERM_PATTERN.findall(text)
     if len(terms) == 1:
         return str(terms[0][1])
     sign = -1.0 if terms and float(terms[0][0]) < 0 else 1.0

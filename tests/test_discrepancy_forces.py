@@ -16,7 +16,7 @@ from bluekoi.engine.set_columns import (
     PRIOR_DISCREPANCY_SHARES,
     CauseSetColumns,
     columns_of_cause_set,
-    with_shares,
+    precisions_with_shares,
 )
 from bluekoi.fitting import ParameterFit, fit_parameters_jointly
 from bluekoi.integrate import compile_system
@@ -130,8 +130,10 @@ def test_a_term_of_two_causes_may_be_as_strong_as_the_larger_share_of_them() -> 
         at=np.zeros(2), held=np.zeros(2, dtype=bool), sizes={},
         discrepancy={"fin": np.array([1.0, 0.0]), "stall": np.array([4.0, 0.0])},
     )  # fmt: skip
-    assert with_shares(lay, {"fin": 0.2, "stall": 0.02}).precision == pytest.approx([25.0, 1.0])
-    assert with_shares(lay, {"fin": 0.02, "stall": 0.2}).precision == pytest.approx([1.5625, 1.0])
+    both = [{"fin": 0.2, "stall": 0.02}, {"fin": 0.02, "stall": 0.2}]
+    assert precisions_with_shares(lay, both) == pytest.approx(
+        np.array([[25.0, 1.0], [1.5625, 1.0]])
+    )
 
 
 def test_the_discrepancy_is_fitted_with_the_numbers_of_a_set(

@@ -70,7 +70,7 @@ def read(path: Path) -> Recording:
     rows = _numbers(path)
     times = rows[:, 0] - rows[0, 0]
     seen = np.column_stack([rows[:, 5:7], np.unwrap(rows[:, 4])])
-    pose = Pose(times, np.column_stack([seen, np.zeros(len(seen))]), _cov(len(seen), 4))
+    pose = Pose(times, np.column_stack([seen, np.full(len(seen), np.nan)]), _cov(len(seen), 4))
     hz, std = tail_beat_from_video(pose, 2.1)
     track = smooth_pose(pose, hz)
     recoil = float(np.sqrt(2.0) * np.std(track.recoil[:, 2]))

@@ -29,12 +29,14 @@ from scipy.special import gammaln, log_ndtr, logsumexp
 from ..data import Float
 from .expansion import LikelihoodExpansion
 from .problem import CauseSearchProblem
-from .set_columns import CauseSetColumns, combinations_of_shares, with_shares
+from .set_columns import CauseSetColumns, combinations_of_shares, precisions_with_shares
 
 DIAGONAL_RIDGE = 1e-10
 """Added to the information, scaled to a diagonal of ones: a normal prior of 1e5 conditional
 standard errors on each number, so wide that it has no part in the evidence. Numbers that no trial
 tells apart, and that have no prior of their own, stay invertible: it is 4e5 rounding errors."""
+MATRICES_AT_ONCE = 64
+"""Combinations of shares whose matrices are solved in one call; it bounds the memory."""
 LOG_PROBABILITY_OF_IMPOSSIBLE = -50.0
 """Log probability of a cause whose strength is held at 0. Finite, so that differences are
 defined, and so low that no such set is named."""
@@ -42,7 +44,9 @@ defined, and so low that no such set is named."""
 
 def log_evidence(expansion: LikelihoodExpansion, lay: CauseSetColumns) -> float:
     """Log m(S) of a set, averaged over the shares of the discrepancies of its causes."""
-    values = [log_evidence_with_shares(expansion, lay, s) for s in combinations_of_shares(lay)]
+    values = _log_evidences(
+        expansion, lay, precisions_with_shares(lay, combinations_of_shares(lay))
+    )
     return float(logsumexp(values) - np.log(len(values)))
 
 
@@ -50,18 +54,14 @@ def log_evidence_with_shares(
     expansion: LikelihoodExpansion, lay: CauseSetColumns, shares: Mapping[str, float]
 ) -> float:
     """Log m(S) of a set with given shares of the discrepancies of its causes."""
-    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
-    g = expansion.gradient.sum(axis=0)[lay.columns]
-    found = laplace_log_evidence(H, g, with_shares(lay, shares))
-    return float(expansion.log_likelihood.sum()) + found
+    return float(_log_evidences(expansion, lay, precisions_with_shares(lay, [shares]))[0])
 
 
 def most_probable_shares(expansion: LikelihoodExpansion, lay: CauseSetColumns) -> dict[str, float]:
     """Cause -> the share of its discrepancy with which the set has the largest evidence."""
-    return max(
-        combinations_of_shares(lay),
-        key=lambda shares: log_evidence_with_shares(expansion, lay, shares),
-    )
+    every = combinations_of_shares(lay)
+    values = _log_evidences(expansion, lay, precisions_with_shares(lay, every))
+    return max(zip(values.tolist(), every, strict=True), key=lambda both: both[0])[1]
 
 
 def laplace_log_evidence(H: Float, g: Float, lay: CauseSetColumns) -> float:
@@ -69,38 +69,56 @@ def laplace_log_evidence(H: Float, g: Float, lay: CauseSetColumns) -> float:
 
     H (p, p), g (p,): information and gradient of the likelihood in the columns of the layout.
     """
+    return float(_laplace_log_evidences(H, g, lay, lay.precision[None])[0])
+
+
+def _log_evidences(expansion: LikelihoodExpansion, lay: CauseSetColumns, given: Float) -> Float:
+    """Log m(S) (n,) of a set with each of the prior precisions (n, p) of its columns."""
+    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
+    g = expansion.gradient.sum(axis=0)[lay.columns]
+    found = [_laplace_log_evidences(H, g, lay, given[k : k + MATRICES_AT_ONCE])
+             for k in range(0, len(given), MATRICES_AT_ONCE)]  # fmt: skip
+    return np.asarray(expansion.log_likelihood.sum() + np.concatenate(found))
+
+
+def _laplace_log_evidences(H: Float, g: Float, lay: CauseSetColumns, given: Float) -> Float:
+    """`laplace_log_evidence` (n,) with each of the prior precisions (n, p) in place of the
+    layout's.
+    """
     index = np.flatnonzero(~lay.held)
     if len(index) == 0:
-        return 0.0
-    precision = np.where(lay.included, 0.0, lay.precision)
+        return np.zeros(len(given))
+    precision = np.where(lay.included, 0.0, given)
     off = np.where(lay.gaussian & ~lay.included, lay.at, 0.0)  # from the mean of their prior, 0
-    g = g - precision * off
-    whole = H + np.diag(precision)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(whole)[index], 1e-30))
-    A = whole[np.ix_(index, index)] * np.outer(scale, scale) + DIAGONAL_RIDGE * np.eye(len(index))
-    step = np.zeros(len(g))
-    step[index] = scale * np.linalg.solve(A, scale * g[index])
+    slopes = g - precision * off
+    A = np.repeat(H[np.ix_(index, index)][None], len(given), axis=0)
+    diagonal = np.arange(len(index))
+    A[:, diagonal, diagonal] += precision[:, index]
+    scale = 1.0 / np.sqrt(np.maximum(A[:, diagonal, diagonal], 1e-30))
+    A *= scale[:, :, None] * scale[:, None, :]
+    A[:, diagonal, diagonal] += DIAGONAL_RIDGE
+    step = np.zeros_like(slopes)
+    step[:, index] = scale * np.linalg.solve(A, (scale * slopes[:, index])[:, :, None])[:, :, 0]
     # the width of the Cauchy prior regularises the step; it does not pull a strength to 0
-    pull = np.where(lay.gaussian, 0.0, lay.precision)
-    gain = 0.5 * float(g @ step) + 0.5 * float(pull @ step**2) - 0.5 * float(precision @ off**2)
+    pull = np.where(lay.gaussian, 0.0, given)
+    gain = 0.5 * np.sum(slopes * step + pull * step**2 - precision * off**2, axis=1)
     own = index >= lay.count
     if not own.any():
-        return gain
-    cov = np.linalg.inv(A)[np.ix_(own, own)] * np.outer(scale[own], scale[own])  # G^-1
+        return np.asarray(gain)
+    whole = np.linalg.inv(A)[:, own][:, :, own]
+    cov = np.asarray(whole * scale[:, own, None] * scale[:, None, own])  # G^-1
     rest = index[own]
-    normal = lay.gaussian[rest]
-    return (
-        gain
-        + 0.5 * float(np.linalg.slogdet(cov)[1])
-        + 0.5 * float(np.log(lay.precision[rest][normal]).sum())
-        + sum(_log_strength_prior(cause, cov, rest, step, lay) for cause in lay.blocks)
-    )
+    gain += 0.5 * np.linalg.slogdet(cov)[1]
+    gain += 0.5 * np.log(given[:, rest][:, lay.gaussian[rest]]).sum(axis=1)
+    for cause in lay.blocks:
+        gain += _log_strength_prior(cause, cov, rest, step, lay)
+    return np.asarray(gain)
 
 
 def _log_strength_prior(
     cause: str, cov: Float, rest: np.ndarray, step: Float, lay: CauseSetColumns
-) -> float:
-    """Log p(s) + k/2 log 2 pi of a cause's best strengths; see `laplace_log_evidence`.
+) -> Float | float:
+    """Log p(s) + k/2 log 2 pi of a cause's best strengths (n,); see `laplace_log_evidence`.
 
     A strength that is held at 0 makes the cause absent: e^-50, for no set is named for it. One that
     is held at another bound counts by its prior density over its plausible magnitude.
@@ -112,25 +130,25 @@ def _log_strength_prior(
         return (
             LOG_PROBABILITY_OF_IMPOSSIBLE
             if not held.any()
-            else _log_cauchy(held, widths) + float(np.log(widths).sum())
+            else float(_log_cauchy(held, widths)) + float(np.log(widths).sum())
         )
     own, sizes = block[free], lay.sizes[cause][free]
-    k, values = len(own), lay.at[own] + step[own]
-    side = 0.0
+    k, values = len(own), lay.at[own] + step[:, own]
+    side: Float | float = 0.0
     if lay.signed[cause]:
         at = int(np.flatnonzero(rest == own[0])[0])
-        side = np.log(2.0) + float(log_ndtr(values[0] / np.sqrt(cov[at, at])))
-    return _log_cauchy(values, sizes) + 0.5 * k * float(np.log(2.0 * np.pi)) + side
+        side = np.log(2.0) + log_ndtr(values[:, 0] / np.sqrt(cov[:, at, at]))
+    return np.asarray(_log_cauchy(values, sizes) + 0.5 * k * float(np.log(2.0 * np.pi)) + side)
 
 
-def _log_cauchy(values: Float, sizes: Float) -> float:
-    """Log density of the Cauchy distribution (k,) with these widths."""
-    k = len(values)
-    return float(
+def _log_cauchy(values: Float, sizes: Float) -> Float:
+    """Log density (...) of the Cauchy distribution with these widths (k,) at values (..., k)."""
+    k = len(sizes)
+    return np.asarray(
         gammaln(0.5 * (k + 1))
         - 0.5 * (k + 1) * np.log(np.pi)
         - np.log(sizes).sum()
-        - 0.5 * (k + 1) * np.log1p(np.sum((values / sizes) ** 2))
+        - 0.5 * (k + 1) * np.log1p(np.sum((values / sizes) ** 2, axis=-1))
     )
 
 

@@ -69,9 +69,14 @@ def _noise_and_fit_round(
     if not model.usable:
         return model
     points = _most_probable_points(problem, model)
+    effects = model.effects(problem)
+    at_fit = effects is not None and effects.size == 0  # the points are those of the fit
     found = estimate_noise_model(problem.kernel, problem.series, points, model.noise, rounds=steps,
-                                 line_searches=False, max_trials=MAX_SEARCH_TRIALS)  # fmt: skip
-    again = refit_from_fitted_values(problem, model, found.noise)
+                                 line_searches=False, max_trials=MAX_SEARCH_TRIALS,
+                                 passes=model.passes if at_fit else None)  # fmt: skip
+    whole = at_fit and len(found.passes) == len(problem.series)
+    again = refit_from_fitted_values(problem, model, found.noise,
+                                     predictor=found.passes if whole else None)  # fmt: skip
     return max(model, again, key=lambda m: m.log_joint)
 
 

@@ -115,12 +115,14 @@ def fit_set(
     discrepancy: Mapping[str, float] | None = None,
     deviations: Mapping[str, float] | None = None,
     effects: Float | None = None,
+    predictor: FilterResults | None = None,
 ) -> FittedCauseSet:
     """A set fitted under one noise; after the first fit the filter's gains are held, `passes` fits
     in all or until the numbers rest.
 
     deviations: those of the discrepancy, which is fitted with the numbers of the set; without, it
-    is held. effects: trial effects (t, q) to begin with.
+    is held. effects: trial effects (t, q) to begin with. predictor: the filter's passes at the
+    start, where known.
     """
     own = free_parameters(problem, causes) if free is None else tuple(free)
     slot = problem.kernel.system.slot
@@ -151,7 +153,9 @@ def fit_set(
             effects=near,
         )
 
-    first, predictor = start, filtered(np.array([start[f.label] for f in frees]))
+    first = start
+    if predictor is None:
+        predictor = filtered(np.array([start[f.label] for f in frees]))
     for _ in range(passes):
         found = fitted(predictor, start, effects)
         predictor = filtered(found.values)
@@ -222,11 +226,13 @@ def _squared_distance_to_start(found: ParameterFit, start: Mapping[str, float]) 
 def refit_from_fitted_values(
     problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise, *,
     discrepancy: Mapping[str, float] | None = None,
-    deviations: Mapping[str, float] | None = None,
+    deviations: Mapping[str, float] | None = None, predictor: FilterResults | None = None,
 ) -> FittedCauseSet:  # fmt: skip
-    """A set fitted from where it is, with its own discrepancy and deviations or others."""
+    """A set fitted from where it is, with its own discrepancy and deviations or others; predictor:
+    as in `fit_set`.
+    """
     return fit_set(problem, model.causes, noise, model.fit.by_label(), free=model.fit.free,
-                   effects=model.effects(problem),
+                   effects=model.effects(problem), predictor=predictor,
                    discrepancy=model.discrepancy if discrepancy is None else discrepancy,
                    deviations=model.deviations if deviations is None else deviations)  # fmt: skip
 

@@ -9,7 +9,7 @@ The discrepancy of a set consists of residual terms in the channels of its cause
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import product
 
 import numpy as np
@@ -109,15 +109,18 @@ def combinations_of_shares(lay: CauseSetColumns) -> list[dict[str, float]]:
             for shares in product(PRIOR_DISCREPANCY_SHARES, repeat=len(causes))]  # fmt: skip
 
 
-def with_shares(lay: CauseSetColumns, shares: Mapping[str, float]) -> CauseSetColumns:
-    """The columns with other shares of the discrepancies of the causes."""
+def precisions_with_shares(
+    lay: CauseSetColumns, combinations: Sequence[Mapping[str, float]]
+) -> Float:
+    """Prior precisions (n, p) of the columns with each of n combinations of the shares of the
+    discrepancies of the causes.
+    """
     if not lay.discrepancy:
-        return lay
-    deviation = np.max([shares[c] * own for c, own in lay.discrepancy.items()], axis=0)
-    acting = deviation > 0
-    precision = lay.precision.copy()
-    precision[acting] = np.maximum(deviation[acting], MIN_INFORMATION) ** -2.0
-    return replace(lay, precision=precision)
+        return np.repeat(lay.precision[None], len(combinations), axis=0)
+    shares = np.array([[one[c] for c in lay.discrepancy] for one in combinations])
+    deviation = np.max(shares[:, :, None] * np.array(list(lay.discrepancy.values())), axis=1)
+    own = np.maximum(deviation, MIN_INFORMATION) ** -2.0
+    return np.asarray(np.where(deviation > 0, own, lay.precision))
 
 
 def _fitted_columns(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from ..data import Float
 
@@ -47,7 +47,7 @@ def explained_by_innovations(
         return 0.0
     ratio = (before - after) / other.shape[1] / max(after / df, 1e-300)
     share = 1.0 - after / before
-    sure = f_distribution.sf(ratio, other.shape[1], df) < F_TEST_LEVEL
+    sure = fdtrc(other.shape[1], df, ratio) < F_TEST_LEVEL
     return float(share) if sure and share > MIN_EXPLAINED_SHARE else 0.0
 
 

@@ -13,10 +13,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 import yaml
 
 from ..data import Float
@@ -26,6 +25,9 @@ from ..files import found_instead_of_file, read_text
 from .model import Model
 from .trials import FIT_ROLE, Trial
 from .units import conversion_factor
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 DATA_FILE = "data.yaml"
 DATA_KEYS = ("columns", "constants", "trials")
@@ -204,6 +206,8 @@ def _read_csv_cells(path: Path) -> pd.DataFrame:
     """Rows of a csv as text or numbers; columns may be apart by semicolons or tabs, and decimals
     then follow a comma. A repeated name keeps its place with a suffix.
     """
+    import pandas as pd  # noqa: PLC0415  a model with its own reader goes without
+
     if not path.is_file():
         there = path.exists() or path.is_symlink()
         found = found_instead_of_file(path, "of that name") if there else "no such file"
@@ -247,6 +251,8 @@ def _check_columns_present(path: Path, names: Sequence[str], wanted: Sequence[st
 
 def _as_numbers(path: Path, cells: pd.Series, name: str) -> Float:
     """A column as numbers, empty cells NaN."""
+    import pandas as pd  # noqa: PLC0415
+
     values = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=float)
     bad = np.flatnonzero(np.isnan(values) & cells.notna().to_numpy())
     if len(bad):

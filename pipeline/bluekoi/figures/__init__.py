@@ -14,27 +14,26 @@ from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.figure import Figure
 
-from ..campaign import Campaign, load_campaign
 from ..errors import did_you_mean, input_error
 from ..files import atomic_write, write_rows
 from .drawing.figure_data import Point, extract_points
 from .drawing.style import RC_PARAMS, placeholder_figure
 
+if TYPE_CHECKING:
+    from ..campaign import Campaign
+
 __all__ = [
-    "Campaign",
     "draw",
     "draw_file",
     "figure_caption",
     "figure_names",
     "figure_title",
-    "load_campaign",
     "missing_results",
 ]
 
@@ -122,6 +121,8 @@ def _save_figure(
 
     `Figure.savefig` lays out and draws twice for each file, which takes twice as long.
     """
+    from matplotlib.backends.backend_pdf import FigureCanvasPdf  # noqa: PLC0415  no png needs it
+
     figure.set_dpi(PNG_DPI)
     with atomic_write(path_png) as temporary:
         FigureCanvasAgg(figure).print_png(temporary, metadata={**PNG_METADATA, **metadata})

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import CompiledSystem, Effect, System
-from ..integrate.batch import active_effects, threaded_map
+from ..integrate.batch import active_effects_by_row, threaded_map
 from .series import Noise, TrialSeries, padded_arrays
 
 MAX_FILTER_STEP_S = 1 / 30
@@ -108,15 +108,18 @@ def filter_series(
     kernel: CompiledSystem, series: TrialSeries, values: Float, noise: Noise
 ) -> FilteredTrial:
     """`FilteredTrial` of one trial for a full parameter vector `(parameters,)`."""
-    return _filter_trial(kernel, series, values, _noise_arrays(kernel, noise))
+    return filter_all(kernel, [series], [values], noise)[0]
 
 
 def filter_all(
     kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], noise: Noise
 ) -> FilterResults:
     """`filter_series` for every trial with its own parameter vector, on all cores."""
-    jobs, shared = list(zip(series, values, strict=True)), _noise_arrays(kernel, noise)
-    found = threaded_map(lambda job: _filter_trial(kernel, job[0], job[1], shared), jobs)
+    shared = _noise_arrays(kernel, noise)
+    full = values_with_noise_switched_on(kernel, np.array(values).T, noise).T.copy()
+    on = active_effects_by_row(kernel.system, full)
+    jobs = list(zip(series, full, on, strict=True))
+    found = threaded_map(lambda job: _filter_trial(kernel, job[0], job[1], job[2], shared), jobs)
     return FilterResults(tuple(series), tuple(found))
 
 
@@ -142,16 +145,18 @@ def _noise_arrays(kernel: CompiledSystem, noise: Noise) -> _NoiseArrays:
 
 
 def _filter_trial(
-    kernel: CompiledSystem, series: TrialSeries, values: Float, shared: _NoiseArrays
+    kernel: CompiledSystem, series: TrialSeries, values: Float, on: np.ndarray, shared: _NoiseArrays
 ) -> FilteredTrial:
+    """One trial; values (parameters,) with the random parts switched on, on (effects,): those that
+    act.
+    """
     n, s, o = len(series.times), len(kernel.system.all_states), len(kernel.system.observations)
     shapes = ((n, s, o), (n, o, o), (n, s, s), (n, s), (n, s), (n, s, s), (n, s, s), (n, o))
     gains, roots, transitions, predicted, filtered, cov_p, cov_f, innovations = map(
         np.zeros, shapes
     )
-    values, cov = values_with_noise_switched_on(kernel, values, shared.noise), series.cov.copy()
+    cov = series.cov.copy()
     cov[shared.random, shared.random] = shared.variance[shared.random]
-    on = active_effects(kernel.system, values)
     step_s = kernel.system.longest_step_s(MAX_FILTER_STEP_S)
     log_likelihood = kernel.kalman(
         series.mean, cov, values, series.constants, series.times, series.inputs, series.seen,

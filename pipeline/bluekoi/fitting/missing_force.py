@@ -87,7 +87,7 @@ def rms_forces(
     each = np.repeat(np.arange(len(passes)), [len(s.times) for s in series])
 
     def of_frames(vectors: Sequence[Float]) -> Float:
-        return np.array([values_with_noise_switched_on(kernel, v, noise) for v in vectors])[each]
+        return values_with_noise_switched_on(kernel, np.array(vectors).T, noise).T[each]
 
     state, base = np.concatenate([f.filtered for f in passes]), of_frames(points)
     times, inputs = (np.concatenate([getattr(s, k) for s in series]) for k in ("times", "inputs"))

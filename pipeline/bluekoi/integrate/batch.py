@@ -26,6 +26,11 @@ def active_effects(system: System, values: Float) -> np.ndarray:
     return _active_in_blocks(system, values.reshape(1, -1, values.shape[-1]).swapaxes(1, 2))[0]
 
 
+def active_effects_by_row(system: System, values: Float) -> np.ndarray:
+    """Which effects each of the parameter vectors (n, parameters) uses, uint8 (n, effects)."""
+    return _active_in_blocks(system, values[:, :, None])
+
+
 def _active_in_blocks(system: System, values: Float) -> np.ndarray:
     """Which effects each block of parameter vectors (blocks, parameters, n) uses, uint8 (blocks,
     effects).

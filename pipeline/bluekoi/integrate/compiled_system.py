@@ -72,8 +72,20 @@ class CompiledSystem:
 
     def _of(self, on: np.ndarray) -> _Compiled:
         """The kernel for the effects that are on."""
-        more = [e.kind != STOCHASTIC_EFFECT_KIND for e in self.system.effects]
-        return _load_compiled(self.system, bool(np.any(on[more])))
+        return self._general if on[self._not_random].any() else self._fast
+
+    @cached_property
+    def _not_random(self) -> np.ndarray:
+        """Which effects are more than random parts, (effects,)."""
+        return np.array([e.kind != STOCHASTIC_EFFECT_KIND for e in self.system.effects], dtype=bool)
+
+    @cached_property
+    def _fast(self) -> _Compiled:
+        return _load_compiled(self.system, False)
+
+    @cached_property
+    def _general(self) -> _Compiled:
+        return _load_compiled(self.system, True)
 
 
 @lru_cache(maxsize=32)

@@ -26,10 +26,9 @@ from ..explain.text import (
 from ..figures.drawing.style import AFTER_COLOUR, BEFORE_COLOUR, MEASURED_COLOUR, RC_PARAMS
 from ..files import write_text
 from ..fitting import free_runs
-from .findings import VERDICT_HEADINGS
-from .page import load_template
+from .template import VERDICT_HEADINGS, load_template
 
-MAX_TRIALS_SHOWN = 4
+MAX_TRIALS_SHOWN, PNG_DPI = 4, 130
 
 
 def write_explanation(found: CauseSearchResult, predicted: Predicted | None, path: Path) -> None:
@@ -102,8 +101,9 @@ def trials_figure(found: CauseSearchResult) -> Figure:
 
 
 def _figure_data_uri(figure: Figure) -> str:
+    """The figure as png, laid out and drawn once (`Figure.savefig` does both twice)."""
     buffer = io.BytesIO()
     with mpl.rc_context(RC_PARAMS):
-        FigureCanvasAgg(figure)
-        figure.savefig(buffer, format="png", dpi=130, metadata={"Software": None})
+        figure.set_dpi(PNG_DPI)
+        FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})
     return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")

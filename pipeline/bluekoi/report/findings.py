@@ -23,13 +23,7 @@ from .numbers import (
     value_with_interval,
     with_readable_names,
 )
-
-VERDICT_HEADINGS = {
-    "none": "No mismatch beyond the noise",
-    "physics": "Missing physics",
-    "measurement": "Measurement error",
-    "unexplained": "A mismatch that no known cause explains",
-}
+from .template import VERDICT_HEADINGS
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
-from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from ..campaign import Campaign
@@ -15,6 +12,7 @@ from ..files import write_text
 from . import findings, held_out_errors, identifiability, tables
 from .media import FigureDataUri, OverlayClip, embedded_overlay_clips, pictures, plotting_library
 from .settings import software_versions, study_settings
+from .template import load_template, read_resource
 from .trials import excluded_trials, trial_cards
 
 SCRIPTS = ("charts.js", "explorer.js", "page.js")
@@ -72,20 +70,7 @@ def report_html(
         cards=trial_cards(campaign, videos),
         settings=study_settings(campaign),
         versions=software_versions(),
-        js=Markup('"use strict";\n' + "\n".join(map(_read_resource, SCRIPTS))),  # noqa: S704  our own files
+        js=Markup('"use strict";\n' + "\n".join(map(read_resource, SCRIPTS))),  # noqa: S704  our own files
         plotly=plotting_library(),
         pool=campaign.study.setup.pool,
     )
-
-
-def load_template(template: str, **values: Any) -> str:
-    """A template of this folder, with the page's style."""
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    css = Markup(_read_resource("page.css"))  # noqa: S704  our own file
-    return environment.from_string(_read_resource(template)).render(css=css, **values)
-
-
-def _read_resource(name: str) -> str:
-    return files(__package__).joinpath(name).read_text(encoding="utf-8")

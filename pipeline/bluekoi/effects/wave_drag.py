@@ -4,7 +4,7 @@ At the speed V, the drag against the direction of motion v_hat is
 
     D = -k V_1^4 ((1 - g) (1 - o) ((1 - w) (V / V_1)^4 + w (V / V_1)^6)
                   + (1 - g) o (max(V - V_0, 0) / (V_1 - V_0))^2 + g (V / V_1)^2 R(V)) v_hat
-    R = 1 / (1 + ((V - V_c) / (0.08 * speed_unit) m/s)^2)^2,  V_1 = 0.4 m/s
+    R = 1 / (1 + ((V - V_c) / 0.08 m/s)^2)^2,  V_1 = 0.4 m/s
 
 Wave drag rises faster than the square of the speed up to the hull speed, (g L / 2 pi)^(1/2) for a
 body of the length L. The drag is a weighted sum of four formulas with the same value at V_1:

@@ -99,7 +99,8 @@ def similar_series(one: TrialSeries, units: RobotUnits) -> TrialSeries:
 
 def test_a_fit_to_trials_of_a_similar_robot_gives_similar_coefficients() -> None:
     """All of it: starts, bounds, noise, steps; C_Md 24 times larger is within its bounds."""
-    series = simulate_campaigns(trial_plans(), ErrorModel(), np.random.default_rng(3), count=1)[0]
+    plans = trial_plans((75, 100))
+    series = simulate_campaigns(plans, ErrorModel(), np.random.default_rng(3), count=1)[0]
     small = fit_all_trials(series)
     large = fit_all_trials([similar_series(s, LARGE) for s in series])
     size = np.array([LARGE.ratio(p.unit) for p in small.fit.definitions])

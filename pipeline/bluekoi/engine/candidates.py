@@ -14,7 +14,8 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import FreeParameter
-from ..integrate import Effect, Parameter, System
+from ..fitting.joint_fit import parameter_definition
+from ..integrate import Effect, System
 
 RESIDUAL_EFFECT_KIND = "residual"
 ChannelVariablePairs = frozenset[tuple[str, str]]
@@ -124,11 +125,6 @@ def _residual_candidates(
 def channel_variable_pairs_of(effect: Effect) -> ChannelVariablePairs:
     """Pairs of channel and variable of an effect's force."""
     return frozenset((c, v) for c in effect.channels for v in effect.variables)
-
-
-def parameter_definition(system: System, free: FreeParameter) -> Parameter:
-    """The parameter that a free number is a value of."""
-    return system.parameters[system.slot[free.name]]
 
 
 def strength_step(system: System, free: FreeParameter) -> float:

@@ -36,7 +36,8 @@ DIAGONAL_RIDGE = 1e-10
 standard errors on each number, so wide that it has no part in the evidence. Numbers that no trial
 tells apart, and that have no prior of their own, stay invertible: it is 4e5 rounding errors."""
 MATRICES_AT_ONCE = 64
-"""Combinations of shares whose matrices are solved in one call; it bounds the memory."""
+"""Combinations of shares whose matrices are solved in one call. It bounds the memory and has no
+part in the result."""
 LOG_PROBABILITY_OF_IMPOSSIBLE = -50.0
 """Log probability of a cause whose strength is held at 0. Finite, so that differences are
 defined, and so low that no such set is named."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import FreeParameter
+from ..fitting.joint_fit import parameter_definition
 from ..fitting.normal import (
     NormalEquationsByTrial,
     prior_terms,
@@ -22,7 +23,7 @@ from ..fitting.predictions import ParameterChange, difference_step
 from ..fitting.side_measurements import side_measurement_terms
 from ..fitting.trial_effects import marginal_products_at_effects
 from ..integrate import System
-from .candidates import Candidate, has_single_sign, parameter_definition, strength_step
+from .candidates import Candidate, has_single_sign, strength_step
 from .forces import rms_force_by_cause
 from .problem import CauseSearchProblem
 from .refit import FittedCauseSet, start_values

@@ -18,7 +18,8 @@ from ..fitting import (
     log_likelihood_by_trial,
     trial_normal_equations,
 )
-from .candidates import Candidate, parameter_definition
+from ..fitting.joint_fit import parameter_definition
+from .candidates import Candidate
 from .problem import CauseSearchProblem
 
 STEP_TOLERANCE_STDS = 0.2

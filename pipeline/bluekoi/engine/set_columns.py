@@ -16,7 +16,8 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import FreeParameter
-from .candidates import Candidate, form_precision, has_single_sign, parameter_definition
+from ..fitting.joint_fit import parameter_definition
+from .candidates import Candidate, form_precision, has_single_sign
 from .expansion import LikelihoodExpansion
 from .problem import CauseSearchProblem
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..fitting import cov_hc2
-from .candidates import parameter_definition
+from ..fitting.joint_fit import parameter_definition
 from .evidence import log_evidence, log_prior, most_probable_discrepancy
 from .expansion import LikelihoodExpansion, expand_likelihood
 from .own_noise import MAX_NOISE_ROUNDS, fit_own_noise

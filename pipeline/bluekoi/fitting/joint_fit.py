@@ -63,9 +63,14 @@ class ParameterFit:
         return {f.label: float(v) for f, v in zip(self.free, self.values, strict=True)}
 
 
+def parameter_definition(system: System, free: FreeParameter) -> Parameter:
+    """The parameter that a free number is a value of."""
+    return system.parameters[system.slot[free.name]]
+
+
 def free_definitions(system: System, free: Sequence[FreeParameter]) -> tuple[Parameter, ...]:
-    """The parameter that each free number is of."""
-    return tuple(system.parameters[system.slot[f.name]] for f in free)
+    """The parameter that each free number is a value of."""
+    return tuple(parameter_definition(system, f) for f in free)
 
 
 def fit_parameters_jointly(

@@ -46,8 +46,9 @@ must not make up half of the error of six paths.
 PARABOLA_STATE_STD = np.array([0.1, 0.1, 0.1, 0.2, 0.2, 1.0])
 """Standard deviations of a state estimated from nearby frames, for the published robot: m, m, rad,
 m/s, m/s, rad/s; of the position as much as the centre of mass may be off the keypoint."""
-PARABOLA_HALF_WINDOW_S = 0.25
-"""Frames from which a state is estimated are so near, for the published robot."""
+START_STATE_HALF_WINDOW_S = 0.25
+"""Half the duration, for the published robot, of the frames that a state is estimated from: 15 at
+30 frames/s, a tail beat at 2 Hz."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +148,7 @@ def _state_by_parabola(series: TrialSeries, frame: int) -> Float:
     """x, y, heading, surge, sway and yaw rate at a frame, by a parabola over nearby frames."""
     time = series.times[frame]
     known = np.all(np.isfinite(series.seen), axis=1)
-    half_window = PARABOLA_HALF_WINDOW_S * trial_units(series.constants).time
+    half_window = START_STATE_HALF_WINDOW_S * trial_units(series.constants).time
     near = known & (np.abs(series.times - time) < half_window)
     if near.sum() < 4:
         near = known

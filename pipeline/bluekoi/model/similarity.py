@@ -73,13 +73,13 @@ def robot_units(robot: RobotSize) -> RobotUnits:
 def unit_dimensions(unit: str) -> tuple[float, float, float]:
     """Powers of mass, length and time in a unit, such as `kg m2`, `N (s/m)^1.5` or `1/m2`.
 
-    A stroke divides by the factor after it alone. Raises: KeyError for an unknown factor.
+    A slash divides by the factor after it alone. Raises: KeyError for an unknown factor.
     """
     out = [0.0, 0.0, 0.0]
-    for stroke, factor, power in UNIT_FACTOR_PATTERN.findall(unit):
+    for slash, factor, power in UNIT_FACTOR_PATTERN.findall(unit):
         inside = factor.startswith("(")
         own = unit_dimensions(factor[1:-1]) if inside else BASE_DIMENSIONS[factor]
-        exponent = float(power or 1) * (-1.0 if stroke else 1.0)
+        exponent = float(power or 1) * (-1.0 if slash else 1.0)
         out = [total + exponent * k for total, k in zip(out, own, strict=True)]
     return out[0], out[1], out[2]
 

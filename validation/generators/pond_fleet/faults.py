@@ -15,7 +15,7 @@ INDEX = 1.333
 FORMS = {
     "scale_error": ("both_sides", "length_alone", "width_alone", "marks_inside_the_rim"),
     "clock_error": ("whole_session", "second_camera", "growing", "every_third_trial"),
-    "camera_shift": ("knock", "twist", "creep", "two_knocks"),
+    "camera_shift": ("step", "rotation", "drift", "two_steps"),
     "uncorrected_refraction": ("air", "shallow_depth", "low_index", "depth_of_surface"),
     "lens_error": ("barrel", "higher_order", "tangential", "none_stated"),
     "time_offset": ("late_motor", "late_in_part", "scattered", "growing_delay"),
@@ -190,15 +190,15 @@ def _mistimed(fault: Fault, scene: Scene, observation: Array) -> Array:
 
 
 def shift_course(fault: Fault, share: Array, trial: Array) -> tuple[Array, Array]:
-    """Shift and twist of the camera in units of the size at a share of a trial."""
+    """Shift and rotation of the camera in units of the size at a share of a trial."""
     begin = fault.moment[trial]
     strength = fault.strength[trial]
     gone = strength * (share >= begin)
-    if fault.form == "creep":
+    if fault.form == "drift":
         return strength * share * 1.3, 0 * share
-    if fault.form == "twist":
+    if fault.form == "rotation":
         return 0 * share, gone * 2.0
-    if fault.form == "two_knocks":
+    if fault.form == "two_steps":
         return gone * 0.7 + 0.7 * strength * (share >= begin + 0.25), 0 * share
     return gone, 0 * share
 

@@ -19,7 +19,7 @@ LEAST_DISPLACEMENT = 2.5
 """Displacement by an error of measurement over the floor, at least."""
 FAULT_DRAWS = 6
 MOST_TRIED = 6
-"""Causes of a deck that are tried on one robot."""
+"""Candidates for a hidden law that are tried on one robot."""
 
 
 @dataclass(frozen=True)
@@ -91,12 +91,14 @@ def hide_fault(rng: np.random.Generator, name: str, bench: Bench) -> HiddenFault
 def hide_laws(
     rng: np.random.Generator, plan: Plan, bench: Bench, fault: HiddenFault | None
 ) -> list[tuple[Law, Measured]] | None:
-    """One law of each deck with what the detector makes of it; None where a deck has none."""
+    """A law for each list of candidates with what the detector measures of it; None where no
+    candidate of a list is usable.
+    """
     laws: list[tuple[Law, Measured]] = []
     seen = observer(fault.fault, fault.scene) if fault else None
-    for deck in plan.decks:
+    for candidates in plan.candidate_lists:
         found = _first_of(
-            rng, deck, bench, laws, seen=seen, fault_name=fault.fault.name if fault else ""
+            rng, candidates, bench, laws, seen=seen, fault_name=fault.fault.name if fault else ""
         )
         if found is None:
             return None
@@ -105,12 +107,12 @@ def hide_laws(
 
 
 def _first_of(
-    rng: np.random.Generator, deck: tuple[str, ...], bench: Bench,
+    rng: np.random.Generator, candidates: tuple[str, ...], bench: Bench,
     laws: list[tuple[Law, Measured]], *, seen: Observer | None, fault_name: str,
 ) -> list[tuple[Law, Measured]] | None:  # fmt: skip
-    """The laws with the first of a deck that can be told beside them."""
+    """The laws and the first candidate that can be distinguished from them."""
     taken = [law.family.name for law, _ in laws] + [fault_name]
-    usable = [name for name in deck if compatible(name, taken) and _possible(name, bench)]
+    usable = [name for name in candidates if compatible(name, taken) and _possible(name, bench)]
     known = Hidden(tuple(law for law, _ in laws), seen)
     for name in usable[:MOST_TRIED]:
         family = (FAMILIES | UNLISTED)[name]
@@ -127,7 +129,7 @@ def _first_of(
 def _beside_the_others(
     bench: Bench, laws: list[tuple[Law, Measured]], place: int, seen: Observer | None
 ) -> Measured:  # fmt: skip
-    """A law measured anew beside those that came later."""
+    """A law measured again beside those that came later."""
     every = tuple(law for law, _ in laws)
     known = Hidden((*every[:place], *every[place + 1 :]), seen)
     name = every[place].family.name

@@ -47,14 +47,14 @@ GROUPS = (
 
 @dataclass(frozen=True)
 class Plan:
-    """group: kind of study. decks: for each hidden law the causes to try, in order.
+    """group: kind of study. candidate_lists: for each hidden law the causes to try, in order.
 
     fault: error of measurement, if any.
     """
 
     group: str
     fin: bool
-    decks: tuple[tuple[str, ...], ...]
+    candidate_lists: tuple[tuple[str, ...], ...]
     fault: str | None
 
 
@@ -68,18 +68,18 @@ def draw_plan(seed: int, index: int) -> Plan:
     mixed = places[place] == int(rng.choice([11, 12, 13, 14, 15]))
     own = np.random.default_rng([seed, index, 4711])
     laws = {"one": 1, "two": 1 if mixed else 2}.get(group, 0)
-    decks = [tuple(own.permutation(list(FAMILIES)).tolist()) for _ in range(laws)]
+    candidate_lists = [tuple(own.permutation(list(FAMILIES)).tolist()) for _ in range(laws)]
     if group == "unlisted":
-        decks.append(tuple(own.permutation(list(UNLISTED)).tolist()))
+        candidate_lists.append(tuple(own.permutation(list(UNLISTED)).tolist()))
     fault = None
     if group == "measurement" or mixed:
         number = 0 if mixed else 1 + int(places[place] - 18)
         fault = FAULTS[fault_order[(number + 3 * block) % len(FAULTS)]]
-    return Plan(group, bool(fin), tuple(decks), fault)
+    return Plan(group, bool(fin), tuple(candidate_lists), fault)
 
 
 def compatible(name: str, taken: list[str]) -> bool:
-    """Whether a cause can be told from those already hidden."""
+    """Whether a cause can be distinguished from those already hidden."""
     return name not in taken and not any(
         name in group and other in group for group in GROUPS for other in taken
     )

@@ -117,7 +117,7 @@ def _draw_fore_body(rng: np.random.Generator) -> tuple[float, float]:
 def _draw_section(rng: np.random.Generator) -> tuple[float, float, float]:
     """Span and width in body lengths, and mass over the cubed length (kg/m3).
 
-    Bodies lighter than 0.008 rho L^3 are drawn anew: they could not hold battery and motors.
+    Bodies lighter than 0.008 rho L^3 are drawn again: they could not hold battery and motors.
     """
     while True:
         span = rng.uniform(0.14, 0.27)

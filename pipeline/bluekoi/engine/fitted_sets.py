@@ -72,8 +72,10 @@ class FittedCauseSets:
                            deviations=stds, effects=effects)  # fmt: skip
         if not model.usable:
             return before
-        found = score_set(self.problem, fit_own_noise(self.problem, model, most=1))
-        found = refit_with_discrepancy(self.problem, found, most=1)
+        plain = score_set(self.problem, model)
+        found = refit_with_discrepancy(self.problem, plain, most=1)
+        if found is plain:
+            found = score_set(self.problem, fit_own_noise(self.problem, model, most=1))
         if before is None or found.log_joint > before.log_joint:
             self.sets[key] = found
             self.full.pop(key, None)

@@ -151,9 +151,11 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
     while (best := visited.best).log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
         before = best.log_posterior
         if len(best.causes) < visited.problem.most_causes:
-            _fit_further_causes(visited, best, REFITS_PER_SET)
-            _fit_further_under_small_forces(visited, best)
-            visited.converge()
+            for fit_further in (_fit_further_causes, _fit_further_under_small_forces):
+                fit_further(visited, best)
+                visited.converge()
+                if visited.best.log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
+                    break
         if visited.best.log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
             continue
         for cause in best.causes:
@@ -199,7 +201,9 @@ def _keep_better_noise(
         visited.full.pop(scored.model.key, None)
 
 
-def _fit_further_causes(visited: FittedCauseSets, scored: ScoredCauseSet, count: int) -> None:
+def _fit_further_causes(
+    visited: FittedCauseSets, scored: ScoredCauseSet, count: int = REFITS_PER_SET
+) -> None:
     """Fit the most promising further causes beside a set."""
     expansion = visited.expansion(scored)
     found = ranked_proposals(

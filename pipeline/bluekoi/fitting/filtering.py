@@ -172,13 +172,13 @@ def _filter_trial(
 def rts_smooth(result: FilteredTrial) -> tuple[Float, Float]:
     """Rauch-Tung-Striebel means `(n, states)` and covariances `(n, states, states)`."""
     mean, cov = result.filtered.copy(), result.cov_filtered.copy()
+    # C_k = P_k F' (P_k+1|k)^-1, of all frames at once
+    predicted = result.cov_predicted[1:]
+    moved = result.transitions[1:] @ result.cov_filtered[:-1]
+    C = np.swapaxes(np.linalg.solve(_regularised(predicted), moved), 1, 2)
     for k in range(len(mean) - 2, -1, -1):
-        # C = P_k F' (P_k+1|k)^-1
-        predicted = result.cov_predicted[k + 1]
-        F = result.transitions[k + 1]
-        C = np.linalg.solve(_regularised(predicted), F @ result.cov_filtered[k]).T
-        mean[k] = result.filtered[k] + C @ (mean[k + 1] - result.predicted[k + 1])
-        cov[k] = result.cov_filtered[k] + C @ (cov[k + 1] - predicted) @ C.T
+        mean[k] += C[k] @ (mean[k + 1] - result.predicted[k + 1])
+        cov[k] += C[k] @ (cov[k + 1] - predicted[k]) @ C[k].T
     return mean, cov
 
 
@@ -233,5 +233,7 @@ def _active_state_indices(system: System, on: bytes) -> np.ndarray:
     return np.array([system.all_states.index(n) for n in (*system.states, *used)])
 
 
-def _regularised(matrix: Float) -> Float:
-    return matrix + 1e-14 * np.trace(matrix) * np.eye(len(matrix)) + 1e-18 * np.eye(len(matrix))
+def _regularised(matrices: Float) -> Float:
+    """Matrices (n, s, s) with small numbers added to their diagonals, so that they are regular."""
+    traces = np.trace(matrices, axis1=1, axis2=2)[:, None, None]
+    return matrices + (1e-14 * traces + 1e-18) * np.eye(matrices.shape[1])

@@ -21,6 +21,9 @@ from .series import Noise, TrialSeries
 
 IMPULSE_S = 1e-3
 """Duration over which forces are compared by the change of the velocities."""
+MAX_RMS_FRAMES = 512
+"""Frames, evenly spread over all trials, of which a root mean square force is taken: it scales
+prior standard deviations that are known to a factor of three at best."""
 
 
 @dataclass(frozen=True)
@@ -78,19 +81,22 @@ def rms_forces(
     kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float],
     changes: Sequence[Sequence[Float]], noise: Noise,
 ) -> Float:  # fmt: skip
-    """Root mean square (changes, channels), over all frames of all trials, of the force by which
-    each change of the parameters differs from `points`, along the filtered paths.
+    """Root mean square (changes, channels), over `MAX_RMS_FRAMES` frames of all trials, of the force
+    by which each change of the parameters differs from `points`, along the filtered paths.
 
     changes: full parameter vectors of every trial, for each change.
     """
     series = passes.series
     each = np.repeat(np.arange(len(passes)), [len(s.times) for s in series])
+    chosen = np.linspace(0, len(each) - 1, min(len(each), MAX_RMS_FRAMES)).round().astype(int)
+    each = each[chosen]
 
     def of_frames(vectors: Sequence[Float]) -> Float:
         return values_with_noise_switched_on(kernel, np.array(vectors).T, noise).T[each]
 
-    state, base = np.concatenate([f.filtered for f in passes]), of_frames(points)
-    times, inputs = (np.concatenate([getattr(s, k) for s in series]) for k in ("times", "inputs"))
+    state, base = np.concatenate([f.filtered for f in passes])[chosen], of_frames(points)
+    times, inputs = (np.concatenate([getattr(s, k) for s in series])[chosen]
+                     for k in ("times", "inputs"))  # fmt: skip
     constants = np.array([s.constants for s in series])[each]
     most, out = LANES - 1 - len(disturbance_slots(kernel, acting=True)), []
     for begin in range(0, len(changes), most):

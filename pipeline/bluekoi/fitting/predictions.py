@@ -70,7 +70,8 @@ def whitened_products(
     own = [[k for k, c in enumerate(changes) if c.trials[t]] for t in range(len(passes))]
     first = np.cumsum([0, *(max(1, -(-len(ks) // CHANGES_PER_BLOCK)) for ks in own)])
     trials = np.repeat(np.arange(len(passes)), np.diff(first))
-    values = np.repeat(np.array(points)[trials][:, :, None], LANES, axis=2)
+    full = values_with_noise_switched_on(kernel, np.array(points).T, noise).T
+    values = np.repeat(full[trials][:, :, None], LANES, axis=2)
     places = np.zeros((len(passes), 1 + max(len(ks) for ks in own)), dtype=np.int64)
     for t, ks in enumerate(own):
         places[t, 1 : len(ks) + 1] = np.array(ks, dtype=np.int64) + 1
@@ -80,7 +81,7 @@ def whitened_products(
                 values[first[t] + block, slot, lane + 1] += weight * changes[k].step
             for slot, offset in changes[k].offsets.items():
                 values[first[t] + block, slot, lane + 1] += offset
-    observed = _predicted_observations(kernel, passes, values, trials, noise)
+    observed = _predicted_observations(kernel, passes, values, trials)
     counts = np.array([1 + len(ks) for ks in own])
     out = np.zeros((len(passes), len(steps), len(steps)))
     given = (observed, passes.seen, passes.roots, passes.frames, first, places, counts)
@@ -89,18 +90,17 @@ def whitened_products(
 
 
 def _predicted_observations(
-    kernel: CompiledSystem, passes: FilterResults, values: Float, trials: np.ndarray, noise: Noise
+    kernel: CompiledSystem, passes: FilterResults, values: Float, trials: np.ndarray
 ) -> Float:
-    """Predicted observations (blocks, frames, observations, 16) of the trials of the blocks."""
+    """Predicted observations (blocks, frames, observations, 16) of the trials of the blocks, at
+    values (blocks, parameters, 16) with the random parts switched on.
+    """
 
     def of_blocks(rows: Float) -> Float:
         return rows if len(trials) == len(rows) else rows[trials]
 
     mean, constants = (np.array([getattr(s, k) for s in passes.series])[trials]
                        for k in ("mean", "constants"))  # fmt: skip
-    values = np.moveaxis(
-        values_with_noise_switched_on(kernel, np.moveaxis(values, 1, 0), noise), 0, 1
-    )
     observed, _ = simulate_batch(
         kernel, np.repeat(mean[:, :, None], LANES, axis=2), values,
         np.repeat(constants[:, :, None], LANES, axis=2),

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
+from ..vector_width import njit
 from .compiled_system import LANES, CompiledSystem
 from .system import System
 
@@ -36,9 +37,25 @@ def _active_in_blocks(system: System, values: Float) -> np.ndarray:
     effects).
     """
     slots, first = system.strength_slots
-    if len(slots) == 0:
-        return np.zeros((len(values), 0), dtype=np.uint8)
-    return np.maximum.reduceat(values[:, slots].any(axis=2), first, axis=1).astype(np.uint8)
+    ends = np.append(first[1:], len(slots)) if len(slots) else first
+    out = np.zeros((len(values), len(first)), dtype=np.uint8)
+    _mark_active_effects(np.ascontiguousarray(values, dtype=np.float64), slots, first, ends, out)
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _mark_active_effects(
+    values: Float, slots: np.ndarray, first: np.ndarray, ends: np.ndarray, out: np.ndarray
+) -> None:
+    """Set `out` (blocks, effects) to 1 where any strength of an effect is not 0 in any column of
+    values (blocks, parameters, n); effect i has the places `slots[first[i] : ends[i]]`.
+    """
+    for b in range(len(values)):
+        for i in range(len(first)):
+            for k in range(first[i], ends[i]):
+                for j in range(values.shape[2]):
+                    if values[b, slots[k], j] != 0.0:
+                        out[b, i] = 1
 
 
 def simulate_batch(

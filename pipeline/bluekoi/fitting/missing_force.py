@@ -81,8 +81,8 @@ def rms_forces(
     kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float],
     changes: Sequence[Sequence[Float]], noise: Noise,
 ) -> Float:  # fmt: skip
-    """Root mean square (changes, channels), over `MAX_RMS_FRAMES` frames of all trials, of the force
-    by which each change of the parameters differs from `points`, along the filtered paths.
+    """Root mean square (changes, channels), over `MAX_RMS_FRAMES` frames of all trials, of the
+    force by which each change of the parameters differs from `points`, along the filtered paths.
 
     changes: full parameter vectors of every trial, for each change.
     """

@@ -15,9 +15,9 @@ RATE_INTERVAL_S, STATE_DIFFERENCE = 1e-6, 1e-4
 """Interval over which a rate is taken, s, and difference of a state in its standard deviations."""
 MAX_LINEARISED_STATES = 200
 """Points of the trials at which time constants are computed, at most."""
-STEP_PER_TIME_CONSTANT = 0.5
-"""Runge and Kutta's fourth-order step is stable up to 2.78 time constants, and exact to 3e-4 of a
-decay over half of one."""
+STEP_PER_TIME_CONSTANT = 1.0
+"""Runge and Kutta's fourth-order step is stable up to 2.78 time constants, and exact to 0.007 of a
+decay over one. What that does to a likelihood is checked (`log_likelihood_change_by_step`)."""
 LONGEST_STEP_S = 0.5
 """Longest integration step, s, of a model without fast dynamics."""
 MAX_LOG_LIKELIHOOD_CHANGE = 0.5

@@ -193,8 +193,6 @@ def _keep_better_noise(
     again = refit_from_fitted_values(
         problem, model, source.noise, discrepancy=left or model.discrepancy
     )
-    if again.log_joint <= model.log_joint:
-        return
     other = score_set(problem, fit_own_noise(problem, again))
     if other.log_joint > scored.log_joint:
         visited.sets[scored.model.key] = other

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .camera.turned_picture import turned_picture_warnings
+from .motor.log_synchrony import log_synchrony_warnings
 from .motor.power_consistency import power_warnings
 from .motor.swimming_plausibility import clock_and_length_warnings, tail_warnings
 from .pose.exchanged_frames import exchanged_frames_warnings
@@ -37,6 +38,7 @@ def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> l
         *clock_and_length_warnings(statuses),
         *tail_warnings(statuses, study.setup.robot.tail_length_m),
         *power_warnings(statuses, powers),
+        *log_synchrony_warnings(trials, statuses),
         *exchanged_frames_warnings(trials, statuses),
         *turned_picture_warnings(trials, statuses),
         *comparison_warnings(study, statuses),

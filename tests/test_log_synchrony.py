@@ -1,0 +1,71 @@
+"""Trials whose motor log or video does not begin with the other are named."""
+
+import numpy as np
+import pytest
+
+from bluekoi.motor.log_synchrony import lags_out_of_step, log_synchrony_warnings
+from bluekoi.study import Trial
+
+
+def trial(name, log="", source=""):
+    return Trial(trial_id=name, source=source or f"{name}.csv", power_pct=50.0, head_angle_deg=0.0,
+                 head_length_m=0.12, motor_log=log or None, fps=30.0)  # fmt: skip
+
+
+def status(lag_rad, **other):
+    beat = {"agrees": True, "beat_lag_rad": lag_rad, "flap_hz": 2.35}
+    return {"ok": True, "flapping": beat | other}
+
+
+@pytest.mark.parametrize("off", [-2.5, 1.0, 3.0])
+def test_one_lag_that_differs_from_the_others_is_out_of_step(off):
+    lag = np.array([2.06, 2.07, 2.06 + off, 2.05, 2.0, 2.1])
+    hz = np.array([2.35, 2.36, 2.34, 5.8, 5.8, 5.81])
+    found = lags_out_of_step(hz, lag)
+    assert np.flatnonzero(found).tolist() == [2]
+    assert found[2] == pytest.approx(off, abs=0.05)
+
+
+def test_lags_about_half_a_turn_are_alike_on_both_sides_of_it():
+    lag = np.array([3.1, -3.1, 3.13, -3.05])
+    assert not lags_out_of_step(np.full(4, 2.0), lag).any()
+
+
+def test_trials_of_one_power_that_agree_have_a_common_delay():
+    delay_s, hz = 0.1, np.array([2.35, 2.35, 2.35, 2.35, 5.8, 5.8])
+    lag = np.angle(np.exp(1j * (2.0 + 2 * np.pi * delay_s * hz)))
+    assert not lags_out_of_step(hz, lag).any()
+
+
+@pytest.mark.parametrize("lag", [[0.0, 2.0], [0.0, 2.0, -2.0], [0.0, 0.1, 2.0, 2.1], []])
+def test_without_a_majority_no_trial_is_accused(lag):
+    assert not lags_out_of_step(np.full(len(lag), 2.35), np.array(lag)).any()
+
+
+def test_the_trial_is_named_with_the_time_and_the_cure():
+    lags = {"A": 2.06, "B": 2.07, "C": -2.36, "D": 2.05}
+    (sentence,) = log_synchrony_warnings({}, {k: status(v) for k, v in lags.items()})
+    assert sentence.startswith("Trial C: the tail beats 126 ms after")
+    assert "motor_log and start_s" in sentence
+
+
+def test_trials_without_a_clear_beat_or_a_log_say_nothing():
+    seen = {"A": status(0.0), "B": status(0.0), "C": status(0.0), "D": status(None),
+            "E": {"ok": False, "flapping": None}, "F": status(2.0, agrees=False, video_hz=4.7)}  # fmt: skip
+    assert log_synchrony_warnings({}, seen) == []
+
+
+def test_a_log_of_two_recordings_is_named_and_one_of_two_parts_is_not():
+    two = {"A": trial("A", "motor/1.csv"), "B": trial("B", "motor/1.csv")}
+    (sentence,) = log_synchrony_warnings(two, {})
+    assert "Trials A, B" in sentence
+    assert "motor/1.csv" in sentence
+    parts = {n: trial(n, "motor/1.csv", "one.mp4") for n in "AB"}
+    assert log_synchrony_warnings(parts, {}) == []
+
+
+def test_the_log_of_another_trial_of_the_same_power_is_named():
+    lags = {"A": status(2.06), "B": status(2.07), "D": status(2.05)}
+    other = status(-0.49, agrees=False, video_hz=0.993 * 2.35)  # as newcomers exchanged them
+    (sentence,) = log_synchrony_warnings({}, lags | {"C": other})
+    assert sentence.startswith("Trial C: ")

@@ -135,6 +135,7 @@ def test_report_shows_verdict_causes_and_page(tmp_path, monkeypatch):
     assert "Verdict: The clock is wrong." in done.output
     assert "clock_error (probability 0.90)" in done.output
     assert "rate_error = 3 +- 0.012  (how much faster true time runs)" in done.output
+    assert "one standard deviation" in done.output
     assert "Warning: Look here." in done.output
     (results / "outcome.json").write_text(json.dumps({"warnings": ["T04: another's log?"]}))
     assert "Warning: T04: another's log?" in bluekoi("report", "lab").output
@@ -149,15 +150,19 @@ def test_a_run_that_ends_early_says_what_is_wrong_with_its_trials(tmp_path, monk
     status = tmp_path / "results/lab/status"
     status.mkdir(parents=True)
     for name, ok in (("T10", False), ("T11", True), ("gone", False)):
-        text = json.dumps({"ok": ok, "message": f"the head of {name} is on the other side"})
+        message, remark = f"the head of {name} is on the other side", f"{name} hardly moved"
+        text = json.dumps({"ok": ok, "message": message, "remarks": [remark]})
         (status / f"{name}.json").write_text(text)
     run_module = sys.modules["bluekoi.cli.run"]
     monkeypatch.setattr(run_module, "_run_process", lambda words: 1)
     done = bluekoi("run", "lab")
     assert done.exit_code == 1
-    assert done.output == "T10: the head of T10 is on the other side\n"
+    assert done.output.splitlines() == [
+        "T10: the head of T10 is on the other side",
+        "T11: T11 hardly moved",
+    ]
     monkeypatch.setattr(run_module, "MAX_FAILED_TRIALS_SHOWN", 0)
-    assert bluekoi("run", "lab").output == "... and 1 more trials\n"
+    assert bluekoi("run", "lab").output == "... and 2 more trials\n"
     (tmp_path / "lab/trials.csv").write_text("")
     assert bluekoi("run", "lab").output == ""
 

@@ -130,7 +130,7 @@ def test_excluded_trials_are_named_with_the_reason(tmp_path):
         Campaign(**{**base.__dict__, "tracks": tracks, "statuses": statuses}), tmp_path
     )
     assert f'<a href="#trial-{gone}">{gone}</a>: videos/T02.mp4: found 0 bytes' in text
-    assert "All trials were analysed" not in text
+    assert "All trials were measured" not in text
     assert f"{len(base.study.trials) - 1} of {len(base.study.trials)} trials analysed" in text
 
 

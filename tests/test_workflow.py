@@ -448,6 +448,17 @@ def test_a_long_stage_is_reported_with_the_last_line_of_its_log(tmp_path):
     assert not progress.ticker.is_alive()
 
 
+def test_a_run_ends_with_the_warnings_of_trials_and_search_and_the_verdict(tmp_path):
+    (tmp_path / "outcome.json").write_text(json.dumps({"warnings": ["T1: fps?"]}))
+    found = {"sentence": "The clock is wrong.", "warnings": ["Look at T2."]}
+    (tmp_path / "mismatch.json").write_text(json.dumps(found))
+    progress = SnakemakeProgressHandler(tmp_path / "report.html", stream := io.StringIO())
+    progress.farewell()
+    assert stream.getvalue().splitlines() == [
+        "Warning: T1: fps?", "Warning: Look at T2.", "Verdict: The clock is wrong.",
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("s", "text"), [(1, "5 s"), (61, "65 s"), (100, "2 min"), (4800, "80 min")]
 )

@@ -83,6 +83,11 @@ def summary_lines(mismatch: Mapping[str, Any]) -> Iterator[str]:
         for name, cell in cause.get("parameters", {}).items():
             meaning = f"  ({cell['meaning']})" if cell.get("meaning") else ""
             yield f"    {name} = {_parameter_text(cell)}{meaning}"
+    causes = mismatch.get("causes") or []
+    if any(
+        cell.get("std") is not None for c in causes for cell in c.get("parameters", {}).values()
+    ):
+        yield "  (+- is one standard deviation; the report gives 95 % intervals)"
     for text in mismatch.get("warnings") or []:
         yield f"Warning: {text}"
 

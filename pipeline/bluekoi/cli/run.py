@@ -146,6 +146,7 @@ def _lines_before_failure(results: Path, study: str) -> list[str]:
         bad = _failed_trial_lines(results, study)
     except InputError:
         return []
+    bad += _trial_remark_lines(results, study)
     more = len(bad) - MAX_FAILED_TRIALS_SHOWN
     return [*bad[:MAX_FAILED_TRIALS_SHOWN], *([f"... and {more} more trials"] if more > 0 else [])]
 
@@ -200,6 +201,17 @@ def _failed_trial_lines(results: Path, study: str) -> list[str]:
     bad = {name: text for name, text in sorted(complaints.items()) if text}
     known = _study_trial_ids(study) if bad else set()
     return [f"{name}: {text}" for name, text in bad.items() if not known or name in known]
+
+
+def _trial_remark_lines(results: Path, study: str) -> list[str]:
+    """Remarks on the trials that were measured: one of them may hinder a later stage."""
+    from ..files import read_json  # noqa: PLC0415
+
+    known = _study_trial_ids(study)
+    found = {p.stem: read_json(p) for p in sorted((results / "status").glob("*.json"))
+             if not known or p.stem in known}  # fmt: skip
+    return [f"{name}: {'; '.join(status['remarks'])}" for name, status in found.items()
+            if status.get("ok") and status.get("remarks")]  # fmt: skip
 
 
 def _trial_warnings(results: Path, study: str) -> list[str]:

@@ -239,17 +239,18 @@ class SnakemakeProgressHandler(logging.Handler):
             self.preloaded.close()
         if self.stopped:
             return  # what stands in the results is of an earlier run
-        for text in _warnings_of_outcome(self.report.with_name("outcome.json")):
-            self._print(f"Warning: {text}")
+        for name in ("outcome.json", "mismatch.json"):
+            for text in _warnings_of(self.report.with_name(name)):
+                self._print(f"Warning: {text}")
         if text := _verdict_sentence(self.report.with_name("mismatch.json")):
             self._print(f"Verdict: {text}")
         if ResultPaths(self.report.parent).report_is_current():
             self._print(f"Report: {self.report}")
 
 
-def _warnings_of_outcome(outcome: Path) -> list[str]:
-    """Warnings of a run that ended well; none where it did not."""
-    return list(read_json(outcome).get("warnings", [])) if outcome.is_file() else []
+def _warnings_of(result: Path) -> list[str]:
+    """Warnings in a result, of the trials or of the search; none where there is no such file."""
+    return list(read_json(result).get("warnings", [])) if result.is_file() else []
 
 
 def _verdict_sentence(mismatch: Path) -> str:

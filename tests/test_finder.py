@@ -428,6 +428,21 @@ def test_a_trial_in_which_a_model_runs_away_is_not_proposed(
     assert 0.0 <= apart < 1000 * np.hypot(pool.length_m, pool.width_m)
 
 
+def test_a_condition_that_was_filmed_is_not_proposed(
+    demo: tuple[MeasuredStudy, MismatchResult],
+) -> None:
+    m, found = demo
+    kernel = compile_system(two_plate_system())
+    fitted = found.baseline.trial_values(kernel, downsampled(m.series)[:1])[0]
+    stronger = fitted.copy()
+    stronger[kernel.system.slot["C_T"]] *= 1.2
+    filmed = {(t.power_pct, abs(t.head_angle_deg)) for t in m.study.trials}
+    assert (100.0, 15.0) not in filmed
+    best = best_next_trial(m.study, kernel, fitted, stronger, {"50": 2.0, "100": 4.0})
+    assert (best["power_pct"], best["head_angle_deg"]) not in filmed
+    assert best["apart_mm"] > 0.0
+
+
 def clock_series(
     ratios: list[float], source: str = "motor_log", stated: list[float] | None = None
 ) -> tuple[list[TrialSeries], dict[str, FlappingFrequency]]:

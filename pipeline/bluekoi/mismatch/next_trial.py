@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from ..data import Float
+from ..engine import FittedCauseSet
 from ..fitting import TrialSeries, trial_parameter_vector
 from ..integrate import CompiledSystem
 from ..model import simulate
 from ..study import Study
 from ..tuning import trial_kernel
 from .find import MismatchResult
+
+HEAD_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0)
+"""Head angles of the trials that may be recommended, to either side."""
+SAME_ANGLE_DEG = 5.0
+"""A trial with the head angle nearer than this has the same condition."""
 
 
 def next_trial_json(
@@ -26,10 +33,7 @@ def next_trial_json(
     other = next((sets[i].model for i in order if sets[i].model.key != first.key), first)
     flap = {g: float(np.mean([s.inputs[0, 1] for s in series if s.group == g]))
             for g in sorted({s.group for s in series}, key=float)}  # fmt: skip
-    base = found.baseline.base
-    values = [
-        trial_parameter_vector(kernel, base, m.fit.free, m.fit.values, "") for m in (first, other)
-    ]
+    values = [_parameters(kernel, found.baseline.base, model) for model in (first, other)]
     best = best_next_trial(study, kernel, values[0], values[1], flap)
     question = disagreement_text(first.causes, other.causes)
     floor = 1000 * found.floor_m if np.isfinite(found.floor_m) else 0.0
@@ -40,6 +44,14 @@ def next_trial_json(
     else:
         why = f"shows best {question}: paths differ by {apart:.0f} mm rms in 4 s"
     return best | {"why": why, "above_noise": bool(apart > floor)}
+
+
+def _parameters(kernel: CompiledSystem, base: Float, model: FittedCauseSet) -> Float:
+    """Full parameter vector of a set, with the discrepancy that was fitted with its numbers."""
+    out = base.copy()
+    for label, value in model.discrepancy.items():
+        out[kernel.system.slot[label]] = value
+    return trial_parameter_vector(kernel, out, model.fit.free, model.fit.values, "")
 
 
 def disagreement_text(first: Sequence[str], other: Sequence[str]) -> str:
@@ -54,7 +66,8 @@ def disagreement_text(first: Sequence[str], other: Sequence[str]) -> str:
 def best_next_trial(
     study: Study, kernel: CompiledSystem, first: Float, second: Float, flap_hz: Mapping[str, float]
 ) -> dict[str, object]:
-    """Condition in which two fitted models differ most in 4 s from rest, in units of path error.
+    """Condition in which two fitted models differ most in 4 s from rest, in units of path error:
+    one that has not been filmed, unless all have.
 
     A condition in which a model swims farther than the pool is long counts as no difference: it
     runs away there.
@@ -63,18 +76,18 @@ def best_next_trial(
     diagonal = float(np.hypot(pool.length_m, pool.width_m))
     found: list[tuple[float, str, float, float]] = []
     lengths = sorted({t.head_length_m for t in study.trials})
-    for power, hz in flap_hz.items():
-        for angle in (0.0, 15.0, 30.0, 45.0):
-            for length in lengths:
-                paths = [
-                    _simulated_positions_m(
-                        study, kernel, v, angle=np.radians(angle), length=length, hz=hz
-                    )
-                    for v in (first, second)
-                ]
-                inside = all(np.all(np.ptp(path, axis=0) < diagonal) for path in paths)
-                apart = _rms_distance(*paths) if inside else 0.0
-                found.append((apart, power, angle, length))
+    conditions = [*product(flap_hz, HEAD_ANGLES_DEG, lengths)]
+    new = [c for c in conditions if not _is_filmed(study, *c)]
+    for power, angle, length in new or conditions:
+        paths = [
+            _simulated_positions_m(
+                study, kernel, v, angle=np.radians(angle), length=length, hz=flap_hz[power]
+            )
+            for v in (first, second)
+        ]
+        inside = all(np.all(np.ptp(path, axis=0) < diagonal) for path in paths)
+        apart = _rms_distance(*paths) if inside else 0.0
+        found.append((apart, power, angle, length))
     apart, power, angle, length = max(found)
     return {
         "power_pct": float(power),
@@ -82,6 +95,16 @@ def best_next_trial(
         "head_length_m": length,
         "apart_mm": 1000 * apart,
     }
+
+
+def _is_filmed(study: Study, power: str, angle_deg: float, length_m: float) -> bool:
+    """Whether a trial of the study has this condition, to either side."""
+    return any(
+        t.power_pct == float(power)
+        and abs(abs(t.head_angle_deg) - angle_deg) < SAME_ANGLE_DEG
+        and t.head_length_m == length_m
+        for t in study.trials
+    )
 
 
 def _rms_distance(first: Float, second: Float) -> float:

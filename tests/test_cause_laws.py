@@ -64,6 +64,20 @@ def test_a_damping_is_a_moment_against_the_yaw_rate_with_the_band_of_its_number(
     assert half[fast] == pytest.approx(1.96 * 0.001 * np.abs(law["x"][fast]), rel=0.1)
 
 
+def test_a_law_is_drawn_in_a_channel_that_its_effect_names(damped_model):
+    """Where hardly any random force acts in surge, the fin's small drag looks large there."""
+    kernel, series, forces, found, trials = damped_model
+    free = (*found.fit.free[:-1], FreeParameter("tail_fin_lift.lift_area"))
+    values, disturbance = found.fit.values.copy(), found.noise.disturbance.copy()
+    base = found.base.copy()
+    values[-1], disturbance[0] = 0.02, 1e-6
+    base[kernel.system.slot["tail_fin_lift.axial_share"]] = 1.0
+    fin = replace(found, base=base, fit=replace(found.fit, free=free, values=values),
+                  noise=replace(found.noise, disturbance=disturbance))  # fmt: skip
+    law = cause_force_curves(kernel, series, forces, fin, trials)["tail_fin_lift"]
+    assert law["channel"] in kernel.system.effect("tail_fin_lift").channels == ("sway", "yaw")
+
+
 def test_partial_residuals_of_a_damping_that_the_trials_do_not_have_show_none(
     damped_model, damping_laws
 ):

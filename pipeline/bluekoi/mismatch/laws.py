@@ -70,8 +70,8 @@ def cause_force_curves(
     """Law of every cause in a tuned model that exerts a force.
 
     The force is that of the cause alone along the smoothed paths, in the channel where it is
-    largest against the random force, averaged over bins of the variable, of those that the effect
-    names, that explains most of it.
+    largest against the random force, averaged over bins of the variable that explains most of it;
+    channels and variables are those that the effect names.
     Each: variable, x (bins,), y, low, high (95 % band by the covariance of the cause's numbers;
     empty where one of them is not known), channel, y_unit, explained (share of its variance).
     """
@@ -130,27 +130,26 @@ def _cause_law(
     force = partial(_cause_force, kernel, series, tuned, name)
     every = force(tuned.fit.values)
     units = tuned.noise.disturbance[: every.shape[1]]
-    channel = int(np.argmax(np.sqrt((every**2).mean(axis=0)) / np.maximum(units, 1e-12)))
+    shares = np.sqrt((every**2).mean(axis=0)) / np.maximum(units, 1e-12)
+    effect = kernel.system.effect(name)
+    stated = [i for i, c in enumerate(FORCE_CHANNELS[: len(shares)]) if c in effect.channels]
+    channel = max(stated or range(len(shares)), key=lambda i: float(shares[i]))
     y = every[:, channel]
     if not np.isfinite(y).all() or np.ptp(y) == 0.0:
         return None
-    named = {
-        v
-        for kind in kernel.system.effect(name).variables
-        for v in VARIABLES_OF_EFFECT.get(kind, ())
-    }
+    named = {v for kind in effect.variables for v in VARIABLES_OF_EFFECT.get(kind, ())}
     binned = {v: b for v, x in over.items()
               if (v in named or not named) and (b := equal_count_bins(x)) is not None}  # fmt: skip
-    shares = {v: _share_explained_by_bins(b, y) for v, b in binned.items()}
-    if not shares:
+    explained = {v: _share_explained_by_bins(b, y) for v, b in binned.items()}
+    if not explained:
         return None
-    variable = max(shares, key=lambda v: shares[v])
+    variable = max(explained, key=lambda v: explained[v])
     grid = binned[variable]
     mean = grid.means(y)
     half = _half_width_95(tuned, own, lambda at: grid.means(force(at)[:, channel]), mean)
     law: dict[str, Any] = {
         "variable": variable, "x": grid.x, "y": mean, "channel": FORCE_CHANNELS[channel],
-        "y_unit": CHANNEL_UNITS[channel], "explained": shares[variable], "low": [], "high": [],
+        "y_unit": CHANNEL_UNITS[channel], "explained": explained[variable], "low": [], "high": [],
     }  # fmt: skip
     return law if half is None else law | {"low": mean - half, "high": mean + half}
 

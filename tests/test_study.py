@@ -102,6 +102,8 @@ def test_all_faults_of_both_files_come_at_once(tmp_path):
         ("robot", {"mass_kg": float("inf")}, "robot.mass_kg", "finite"),
         ("robot", {"yaw_inertia_kg_m2": 0}, "robot.yaw_inertia_kg_m2", "greater than 0"),
         ("robot", {"body_length_m": 0.1}, "robot.body_length_m", "smaller than body_length_m"),
+        ("robot", {"head_length_m": 12}, "robot.body_length_m", "12 cm are 0.12 m"),
+        ("robot", {"head_length_m": 120}, "robot.body_length_m", "120 mm are 0.12 m"),
         ("water", {"refractive_index": 13.33}, "water.refractive_index", "less than or equal"),
         ("camera", {"model": "fish eye"}, "camera.model", "'pinhole' or 'fisheye'"),
         ("camera", {"distortion": [0.1, 0.2, 0.3]}, "camera.distortion", "found 3 numbers"),

@@ -48,7 +48,8 @@ PARABOLA_STATE_STD = np.array([0.1, 0.1, 0.1, 0.2, 0.2, 1.0])
 m/s, m/s, rad/s; of the position as much as the centre of mass may be off the keypoint."""
 START_STATE_HALF_WINDOW_S = 0.25
 """Half the duration, for the published robot, of the frames that a state is estimated from: 15 at
-30 frames/s, a tail beat at 2 Hz."""
+30 frames/s, a tail beat at 2 Hz. The state is the mean of a start whose deviations are far wider;
+half of the duration changes no path error of two studies by 1e-3 mm, twice that of one neither."""
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,11 @@ from ..tuning import trial_kernel
 from .find import MismatchResult
 
 HEAD_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0)
-"""Head angles of the trials that may be recommended, to either side."""
+"""Head angles of the trials that may be recommended, to either side: settings that a person chooses
+among, without a part in probabilities or verdict."""
 SAME_ANGLE_DEG = 5.0
-"""A trial with the head angle nearer than this has the same condition."""
+"""A trial with the head angle nearer than this has the same condition: a third of the spacing of
+`HEAD_ANGLES_DEG`, and many times the error of a commanded angle (0.3 degrees)."""
 
 
 def next_trial_json(
@@ -100,10 +102,10 @@ def best_next_trial(
 def _is_filmed(study: Study, power: str, angle_deg: float, length_m: float) -> bool:
     """Whether a trial of the study has this condition, to either side."""
     return any(
-        t.power_pct == float(power)
-        and abs(abs(t.head_angle_deg) - angle_deg) < SAME_ANGLE_DEG
-        and t.head_length_m == length_m
-        for t in study.trials
+        percent == float(power)
+        and length == length_m
+        and abs(abs(deg) - angle_deg) < SAME_ANGLE_DEG
+        for percent, deg, length in (t.condition for t in study.trials)
     )
 
 

@@ -18,9 +18,10 @@ from .log_video_delay import SAME_FREQUENCY_SHARE
 from .shaft_angle import wrap_angle
 
 LAG_TOLERANCE_RAD = 0.7
-"""Lags within this of each other are alike: a tail may bend differently from power to power. A lag
-by chance is within it in 22 % of all cases."""
+"""Lags within this of each other are alike. Of 1302 lags in 68 simulated studies, 90 % are within
+0.02 and 98 % within 0.7 of the mean of their study; a lag by chance is so in 22 % of all cases."""
 MIN_ALIKE_TRIALS = 3
+"""Two trials out of step are alike by chance in 22 % of all cases, three in 5 %."""
 REMEDY = (
     "Do video and log begin together, is the beginning of the video cut off, and is the log this "
     "trial's? Check motor_log and start_s."

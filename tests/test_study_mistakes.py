@@ -73,3 +73,14 @@ def test_a_folder_without_pictures_is_named_as_such(tmp_path, content, found):
     assert finding.where == "trial T01, source"
     assert finding.found == found
     assert ".png" in finding.expected
+
+
+@pytest.mark.parametrize(
+    ("cell", "hint"),
+    [("12", "12 cm are 0.12 m"), ("120", "120 mm are 0.12 m"), ("6", "6 cm are 0.06 m")],
+)
+def test_a_head_length_of_a_trial_in_cm_or_mm_is_asked_about(tmp_path, cell, hint):
+    folder = write_study(tmp_path / "s", rows=[f"T01,k/T01.csv,100,30,{cell},30,,,,"])
+    finding = only_finding(folder)
+    assert "head_length_m" in finding.where
+    assert hint in finding.remedy

@@ -53,14 +53,14 @@ def robot_problems(robot: Robot) -> list[SettingInconsistency]:
         return []
     expected = f"head_length_m + hinge_to_com_m ({ahead:g}) smaller than body_length_m"
     remedies = [
-        _length_unit_remedy(key, getattr(robot, key), robot.body_length_m)
+        length_unit_remedy(key, getattr(robot, key), robot.body_length_m)
         for key in ("head_length_m", "hinge_to_com_m")
     ]
     remedy = " ".join(text for text in remedies if text)
     return [SettingInconsistency("body_length_m", f"{robot.body_length_m:g}", expected, remedy)]
 
 
-def _length_unit_remedy(key: str, value: float, body_m: float) -> str:
+def length_unit_remedy(key: str, value: float, body_m: float) -> str:
     """A question where a part is longer than the body and would fit in cm or mm; else nothing."""
     for unit, per_m in (("cm", 100.0), ("mm", 1000.0)):
         if value > 5.0 * body_m and value / per_m < body_m:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import InputError, InputIssue
 from ..files import found_instead_of_file
+from .consistency_rules import length_unit_remedy
 from .image_files import IMAGE_SUFFIXES
 from .study_yaml import read_study_settings
 from .trials_csv import read_trials
-from .types import Study, Trial
+from .types import Study, StudySettings, Trial
 
 
 def load_study(folder: str | Path, *, only: str | None = None) -> Study:
@@ -34,9 +36,25 @@ def load_study(folder: str | Path, *, only: str | None = None) -> Study:
     findings: list[InputIssue] = []
     setup = read_study_settings(root / "study.yaml", findings)
     trials = read_trials(root / "trials.csv", findings, only=only)
+    if setup is not None:
+        findings += _head_length_issues(root / "trials.csv", trials, setup)
     if findings or setup is None:
         raise InputError(findings)
     return Study(root=root.resolve(), setup=setup, trials=tuple(trials))
+
+
+def _head_length_issues(
+    path: Path, trials: Sequence[Trial], setup: StudySettings
+) -> list[InputIssue]:
+    """A finding for each trial whose head would fit the body in cm or mm alone."""
+    body = setup.robot.body_length_m
+    remedies = {t.trial_id: length_unit_remedy("head_length_m", t.head_length_m, body)
+                for t in trials}  # fmt: skip
+    return [
+        InputIssue(str(path), f"trial {t.trial_id}, head_length_m", f"{t.head_length_m:g}",
+                   f"a head that fits the body of {body:g} m in study.yaml", remedies[t.trial_id])
+        for t in trials if remedies[t.trial_id]
+    ]  # fmt: skip
 
 
 def missing_files(study: Study) -> list[InputIssue]:

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from ..errors import InputIssue, did_you_mean
-from .consistency_rules import INCONSISTENT_VALUES_ERROR_TYPE
+from .consistency_rules import INCONSISTENT_VALUES_ERROR_TYPE, length_unit_remedy
 
 REMEDIES = {
     "camera.pool_corners_px": "`bluekoi pool STUDY` draws a frame with ruled lines, from which to "
@@ -86,6 +86,8 @@ def _remedy(item: dict[str, Any]) -> str:
     value = item["input"]
     if isinstance(value, str) and DECIMAL_COMMA_PATTERN.fullmatch(value):
         return DECIMAL_POINT_REMEDY
+    if item["type"] == "less_than_equal" and item["loc"] == ("head_length_m",):
+        return length_unit_remedy("head_length_m", float(value), 1.0)
     negative = item["type"] == "greater_than_equal"
     return EXCHANGED_REMEDY if negative and item["loc"] == ("power_pct",) else ""
 

@@ -41,12 +41,14 @@ def test_parts_are_found_by_name():
 
 
 def test_a_track_goes_through_its_file(tmp_path):
-    before = small_track(x_m=np.array([0, 1, np.nan, 3, 1 / 3]), recoil=np.full((5, 3), 0.25))
+    before = small_track(x_m=np.array([0, 1, np.nan, 3, 1 / 3]), recoil=np.full((5, 3), 0.25),
+                         recoil_std=np.full((5, 3), 0.125))  # fmt: skip
     data.write_track(tmp_path / "t.csv", before)
     after = data.read_track(tmp_path / "t.csv")
     for name in data.TRACK_COLUMNS:
         np.testing.assert_allclose(getattr(after, name), getattr(before, name), rtol=1e-8)
     np.testing.assert_array_equal(after.recoil, before.recoil)
+    np.testing.assert_array_equal(after.recoil_std, before.recoil_std)
 
 
 def test_the_track_file_has_the_columns_of_the_contract(tmp_path):

@@ -234,8 +234,16 @@ def test_lift_of_a_fin_builds_up_over_its_head_lengths_of_travel() -> None:
         z += step * call_effect(fin, "rates", motion, s=1.0, z_fin=z)[0]
     assert z == pytest.approx(0.1 * (1 - np.exp(-0.3 / (0.12 / V + 1 / 60))), rel=1e-3)
     whole = call_effect(fin, "force", motion, b=0.0, p=0.0)
-    part = call_effect(fin, "force", motion, b=0.0, p=0.0, z_fin=z)
-    assert part[1] == pytest.approx(whole[1] * z / 0.1)
+    part = call_effect(fin, "force", motion, b=0.0, p=0.0, z_fin=z, s=1.0)
+    at_once = (1 / 60) / (0.12 / V + 1 / 60)
+    assert part[1] == pytest.approx(whole[1] * (z / 0.1 + at_once * (1 - z / 0.1)))
+
+
+def test_lift_of_a_fin_without_build_up_follows_at_once() -> None:
+    """With s = 0 the delay of 1/60 s that the state keeps has no part in the force."""
+    fin, motion = two_plate_system().effect("tail_fin_lift"), np.array([0.4, 0.1, 0.5])
+    late = call_effect(fin, "force", motion, s=0.0, z_fin=-0.3)
+    assert late == pytest.approx(call_effect(fin, "force", motion, s=0.0))
 
 
 @pytest.mark.parametrize("p", [-0.8, 0.0, 4.0])

@@ -532,6 +532,19 @@ def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> No
     assert found.log_posterior < scored.log_posterior
 
 
+def test_the_prior_of_a_discrepancy_is_that_of_the_forces_at_the_fit(monkeypatch) -> None:
+    """The fit changes the forces that the prior is relative to: it is repeated until both agree."""
+    problem, label = problem_with_a_discrepancy(), "constant_force.F0"
+    model = fit_own_noise(problem, fit_set(problem, ("quadratic_drag",), problem.noise, {}))
+    scored = score_set(problem, model)
+    stds = iter([1.0, 0.5, 0.2, 0.2, 0.2])
+    monkeypatch.setattr(
+        set_score, "most_probable_discrepancy", lambda *_: {label: (0.05, next(stds))}
+    )
+    found = refit_with_discrepancy(problem, scored, rounds=4)
+    assert found.model.deviations == {label: 0.2}
+
+
 def test_a_residual_term_collinear_with_a_cause_is_no_candidate_of_its_own() -> None:
     """v |v| in the channel and variable of the drag is the drag; a constant force is not."""
     source = frozenset({("surge", "speed")})

@@ -281,10 +281,12 @@ def test_the_force_of_an_effect_includes_the_build_up_of_its_lift(complete_campa
     with_fin = replace(complete_campaign, mismatch_detail=detail)
     one = missing_forces(complete_campaign)["T02"]
     surge, _, yaw_rate = one.motion[-1, 3:6]
-    rho = complete_campaign.study.setup.water.density_kg_m3
+    setup = complete_campaign.study.setup
+    rho, robot = setup.water.density_kg_m3, setup.robot
     law = tail_fin_lift.force(
-        rho, surge, yaw_rate, -fin["arm"] * yaw_rate, fin["lift_area"], fin["arm"],
-        fin["half_length"], fin["sideways_flow_share"], fin["vortex_share"], fin["axial_share"],
+        rho, surge, 0.0, yaw_rate, robot.head_length_m, 1.0, -fin["arm"] * yaw_rate,
+        fin["lift_area"], fin["arm"], fin["half_length"], fin["sideways_flow_share"],
+        fin["vortex_share"], fin["axial_share"], fin["build_up_lengths"],
     )  # fmt: skip
     assert abs(law[1]) > 1e-3
     assert force_of_effects(with_fin, one)[-1] == pytest.approx(

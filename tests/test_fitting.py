@@ -23,6 +23,7 @@ from bluekoi.fitting import (
     fit_parameters_jointly,
     trial_normal_equations,
 )
+from bluekoi.fitting.bootstrap import parametric_bootstrap
 from bluekoi.fitting.bounded_step import bounded_step
 from bluekoi.fitting.gram import set_whitened_products
 from bluekoi.fitting.linear import linearised, log_likelihood, log_likelihood_gradient
@@ -99,6 +100,7 @@ def test_likelihood_around_a_path_is_that_of_a_new_pass() -> None:
     path = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
     trials = [make_series(_randomly_pushed(rng, 100, path)) for _ in range(3)]
     trials[1].seen[20:30] = np.nan
+    trials[2] = replace(trials[2], force_size=1.7)
     linear = linearised(kernel, trials, [values] * 3, path)
 
     def passed(noise: Noise) -> float:
@@ -113,12 +115,36 @@ def test_likelihood_around_a_path_is_that_of_a_new_pass() -> None:
         assert abs(passed(other) - passed(path)) > 3
 
 
+def test_the_force_size_of_a_trial_scales_its_random_forces_alone() -> None:
+    rng = np.random.default_rng(4)
+    kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.5})
+    force, error = 0.05, 0.012
+    tau, scale = np.array([0.5, 0.15]), np.ones(1)
+    trial = make_series(_randomly_pushed(rng, 100, Noise(np.array([force, error]), tau, scale)))
+    larger = filter_series(
+        kernel, replace(trial, force_size=2.0), values, Noise(np.array([force, error]), tau, scale)
+    )
+    stated = filter_series(kernel, trial, values, Noise(np.array([2 * force, error]), tau, scale))
+    assert larger.log_likelihood == pytest.approx(stated.log_likelihood, rel=1e-12)
+    noise = Noise(np.array([force, 0.0]), tau, scale)
+    count, starts = 400, np.zeros((400, 4))
+    still = replace(trial, noise=1e-12 * trial.noise)
+    spreads = [
+        np.std([one.seen[1:, 0] for one in parametric_bootstrap(
+            kernel, [replace(still, force_size=size)] * count, [values] * count, [noise] * count,
+            starts, np.random.default_rng(1))])
+        for size in (1.0, 2.0)
+    ]  # fmt: skip
+    assert spreads[1] == pytest.approx(2 * spreads[0], rel=1e-6)
+
+
 def test_slopes_of_the_likelihood_are_its_differences() -> None:
     rng = np.random.default_rng(14)
     kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.5})
     path = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
     trials = [make_series(_randomly_pushed(rng, n, path)) for n in (60, 100, 80)]
     trials[1].seen[20:30] = np.nan
+    trials[2] = replace(trials[2], force_size=1.7)
     linear = linearised(kernel, trials, [values] * 3, path)
     numbers = np.array([0.07, 0.009, 0.4, 0.2, 1.2])
 

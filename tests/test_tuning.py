@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import t as student
 
-from bluekoi.data import Pose
+from bluekoi.data import FlappingFrequency, Pose
 from bluekoi.model import TABLE_1
 from bluekoi.smoothing import smooth_pose
 from bluekoi.tuning import (
@@ -93,6 +95,43 @@ def test_a_frame_in_which_two_labels_changed_places_is_left_out(
         flapping,
     )
     assert np.flatnonzero(np.isnan(one.seen[:, 0])).tolist() == [90]
+
+
+def test_the_error_of_the_recoil_counts_in_the_fit(published_model_study: MeasuredStudy) -> None:
+    """Its variance is added to that of a frame once a quarter of a beat, and no frame is lost."""
+    study, n = published_model_study, 90
+    trial, t = study.study.trials[0], np.arange(90) / 30
+    values = np.column_stack([0.5 + 0.2 * t, np.full(n, 0.8), np.zeros(n), np.zeros(n)])
+    values += np.random.default_rng(2).normal(0, 2e-4, (n, 4))
+    pose = Pose(t, values, np.tile(np.diag([2e-4, 2e-4, 2e-4, 2e-4]) ** 2, (n, 1, 1)))
+    track = smooth_pose(pose, 2.5)
+    known = replace(track, recoil_std=np.zeros_like(track.recoil))
+    doubtful = replace(track, recoil_std=np.full_like(track.recoil, 0.002))
+    flapping = FlappingFrequency(2.5, 0.0, "flap_hz")
+    one, other = (
+        trial_series(trial, study.study.setup, pose, each, flapping) for each in (known, doubtful)
+    )
+    frames = 0.25 / 2.5 / float(np.median(np.diff(one.times)))
+    seen = np.isfinite(one.seen[:, 0])
+    added = (other.noise - one.noise)[seen]
+    assert added == pytest.approx(
+        np.tile(np.diag([*[frames * 0.002**2] * 3, 0.0]), (int(seen.sum()), 1, 1)), abs=1e-12
+    )
+    np.testing.assert_array_equal(np.isfinite(other.seen[:, 0]), seen)
+
+
+def test_random_forces_go_with_the_flapping_frequency(
+    published_model_study: MeasuredStudy,
+) -> None:
+    """3.5 Hz is the size 1 for the published robot, whose unit of time is 1 s."""
+    by_power = {s.group: s.force_size for s in published_model_study.series}
+    hz = {
+        s.group: published_model_study.flapping[s.name].flap_hz
+        for s in published_model_study.series
+    }
+    assert len(by_power) > 1
+    for group, size in by_power.items():
+        assert size == pytest.approx(hz[group] / 3.5, rel=0.02)
 
 
 def test_straight_runs_alone_leave_the_turning_coefficients_open(

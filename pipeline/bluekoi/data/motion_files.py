@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -9,19 +10,24 @@ from typing import Any
 import numpy as np
 
 from .csv_columns import read_columns, write_columns
-from .types import Pose, Track
+from .types import Float, Pose, Track
 
 TRACK_COLUMNS = tuple(
-    f.name for f in fields(Track) if f.name not in ("recoil", "remarks", "speed_std_m_s")
+    f.name for f in fields(Track) if f.name not in ("recoil", "recoil_std", "remarks")
 )
 """Columns of tracks/ID.csv."""
+RECOIL_COLUMNS = ("recoil_x_m", "recoil_y_m", "recoil_heading_rad")
+"""Further columns; those of the standard deviations end in `_std`."""
 
 
 def write_track(path: str | Path, track: Track) -> None:
     """Write tracks/ID.csv as the contract lists it, with the recoil as extra columns."""
     columns = {name: getattr(track, name) for name in TRACK_COLUMNS}
-    recoil = ("recoil_x_m", "recoil_y_m", "recoil_heading_rad")
-    write_columns(path, columns | {name: track.recoil[:, i] for i, name in enumerate(recoil)})
+    recoil = dict(zip(RECOIL_COLUMNS, track.recoil.T, strict=True))
+    recoil_std = {
+        f"{k}_std": std for k, std in zip(RECOIL_COLUMNS, track.recoil_std.T, strict=True)
+    }
+    write_columns(path, columns | recoil | recoil_std)
 
 
 def read_track(path: str | Path) -> Track:
@@ -34,11 +40,19 @@ def read_track(path: str | Path) -> Track:
         0.5
     """
     columns = read_columns(path, TRACK_COLUMNS)
-    recoil = [
-        columns[f"recoil_{k}"] for k in ("x_m", "y_m", "heading_rad") if f"recoil_{k}" in columns
-    ]
     values: dict[str, Any] = {name: columns[name] for name in TRACK_COLUMNS}
-    return Track(**values, recoil=np.column_stack(recoil) if recoil else np.zeros((0, 3)))
+    recoil, recoil_std = (
+        _columns_or_nothing(columns, [f"{name}{end}" for name in RECOIL_COLUMNS])
+        for end in ("", "_std")
+    )
+    return Track(**values, recoil=recoil, recoil_std=recoil_std)
+
+
+def _columns_or_nothing(columns: Mapping[str, Float], names: Sequence[str]) -> Float:
+    """Columns side by side (frames, names); (0, names) where one is missing."""
+    if not set(names) <= columns.keys():
+        return np.zeros((0, len(names)))
+    return np.column_stack([columns[name] for name in names])
 
 
 _POSE_COVARIANCE_INDICES = [(i, j) for i in range(4) for j in range(i, 4)]

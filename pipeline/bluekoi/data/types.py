@@ -112,7 +112,8 @@ class Track:
     x_m, y_m: centre of mass in the pool frame. heading_rad: core direction, unwrapped.
     head_angle_rad: core direction minus head direction. speed, velocity and yaw rate are
     derivatives of the smoothed position and heading, the tail-beat recoil taken out.
-    recoil: (frames, 3): the tail-beat oscillation taken out of x, y [m] and heading [rad].
+    recoil: (frames, 3): the tail-beat oscillation taken out of x, y [m] and heading [rad], with
+    its standard deviation recoil_std.
     """
 
     time_s: Float
@@ -133,14 +134,16 @@ class Track:
     vy_m_s_std: Float
     yaw_rate_rad_s_std: Float
     recoil: Float = field(default_factory=lambda: np.zeros((0, 3)))
+    recoil_std: Float = field(default_factory=lambda: np.zeros((0, 3)))
     remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        n = len(self.time_s)
-        columns = {f.name: (n,) for f in fields(self) if f.name not in ("recoil", "remarks")}
-        if len(self.recoil) == 0:
-            object.__setattr__(self, "recoil", np.zeros((n, 3)))
-        check_shapes(self, {**columns, "recoil": (n, 3)})
+        n, others = len(self.time_s), ("recoil", "recoil_std", "remarks")
+        columns = {f.name: (n,) for f in fields(self) if f.name not in others}
+        for name in others[:2]:
+            if len(getattr(self, name)) == 0:
+                object.__setattr__(self, name, np.zeros((n, 3)))
+        check_shapes(self, {**columns, "recoil": (n, 3), "recoil_std": (n, 3)})
 
 
 @dataclass(frozen=True)

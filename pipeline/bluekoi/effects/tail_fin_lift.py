@@ -14,14 +14,16 @@ force dY and the force along the body dX. Y and N are side force and yaw moment 
 S is the lift slope times the area of the fin. The force vanishes in straight swimming, which it
 stabilises. With p = q = 0, it also vanishes without forward speed.
 
-The circulation builds up while the fin travels s head lengths h. The sideways speed z that has an
-effect at the middle of the fin follows the true one, w_a = v - a r, with a delay, and w = z - (l -
-a) r at the stations:
+The circulation builds up while the fin travels s head lengths h. The sideways speed w_e that has an
+effect at the middle of the fin follows the true one, w_a = v - a r, with the time constant T, and w
+= w_e - (l - a) r at the stations:
 
-    z' = (w_a - z) / (s h / V_a + t_0),   V_a^2 = u^2 + w_a^2,   t_0 = 1/60 second
+    z' = (w_a - z) / T,   w_e = z + (t_0 / T) (w_a - z),   T = s h / V_a + t_0
+    V_a^2 = u^2 + w_a^2,  t_0 = 1/60 second
 
-A wing of high aspect ratio builds up half of its lift at once and the rest over a few chords; one
-of low aspect ratio is faster. t_0 is the shortest delay that the integrator can follow.
+t_0 is the shortest time constant that the integrator can follow. With s = 0, the lift follows at
+once (w_e = w_a). A wing of high aspect ratio builds up half of its lift at once and the rest over a
+few chords; one of low aspect ratio is faster.
 
 q is the lift of the vortices that separate at the side edges of a wing of low aspect ratio, over
 the lift at small angles. For a slender wing it is 2 over the aspect ratio (Polhamus).
@@ -85,12 +87,15 @@ EFFECT_STATE_NAMES = ("z_fin",)
 
 
 def force(
-    rho: float, uc: float, rc: float, z_fin: float, S: float, a: float, b: float, p: float,
-    q: float, g: float,
+    rho: float, uc: float, vc: float, rc: float, h: float, time_unit: float, z_fin: float,
+    S: float, a: float, b: float, p: float, q: float, g: float, s: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge, sway (N) and yaw (N m) of the fin."""
     front, rear = a - b, a + b
-    wf, wr = z_fin + b * rc, z_fin - b * rc
+    w_a = vc - a * rc
+    least = math.sqrt(uc * uc + w_a * w_a + 1e-12) * time_unit / 60.0
+    w_e = z_fin + least / (s * h + least) * (w_a - z_fin)
+    wf, wr = w_e + b * rc, w_e - b * rc
     k = -0.25 * rho * S
     Yf = k * (math.sqrt(max(uc * uc + p * wf * wf, 0.0) + 1e-12) + q * abs(wf)) * wf
     Yr = k * (math.sqrt(max(uc * uc + p * wr * wr, 0.0) + 1e-12) + q * abs(wr)) * wr

@@ -59,10 +59,15 @@ class ScoredCauseSet:
 
 
 def refit_with_discrepancy(
-    problem: CauseSearchProblem, scored: ScoredCauseSet, *, most: int = MAX_NOISE_ROUNDS
+    problem: CauseSearchProblem,
+    scored: ScoredCauseSet,
+    *,
+    most: int = MAX_NOISE_ROUNDS,
+    rounds: int = 1,
 ) -> ScoredCauseSet:
     """A set fitted together with what its causes' formulas leave: such a remainder is not random.
-    most: rounds of noise and numbers.
+    most: rounds of noise and numbers. rounds: fits of the discrepancy, whose prior goes with the
+    forces of the causes, which the fit changes.
 
     The fit begins at the discrepancy that the expansion predicts. Where it ends at a poorer fit, it
     is repeated from the discrepancy as it was. If that is no better either, the fit without it is
@@ -92,7 +97,9 @@ def refit_with_discrepancy(
     if found is None or found.log_joint < scored.log_joint:
         found = fitted_from({label: scored.model.discrepancy.get(label, 0.0) for label in stds})
     if found is not None and found.log_joint >= scored.log_joint:
-        return found
+        if rounds == 1:
+            return found
+        return refit_with_discrepancy(problem, found, most=most, rounds=rounds - 1)
     held = {label: scored.model.discrepancy.get(label, 0.0) for label in stds}
     return score_set(problem, replace(scored.model, deviations=stds, discrepancy=held))
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import simulate_batch
-from .filtering import disturbance_slots, values_with_noise_switched_on
+from .filtering import disturbance_slots, random_state_sizes, values_with_noise_switched_on
 from .series import Noise, TrialSeries, padded_arrays
 
 
@@ -35,6 +35,7 @@ def parametric_bootstrap(  # noqa: PLR0917
     constants = np.array([s.constants for s in series])
     sigma = np.array([n.disturbance for n in noises])
     slots = disturbance_slots(kernel)[: sigma.shape[1]]
+    sigma = sigma * random_state_sizes(kernel, series)[:, : sigma.shape[1]]
     decay = np.zeros(sigma.shape)
     observed = np.zeros((*times.shape, len(kernel.system.observations)))
     for k in range(times.shape[1]):

@@ -125,12 +125,15 @@ def filter_all(
 
 @dataclass(frozen=True)
 class _NoiseArrays:
-    """What one noise means for all trials: variance and memory of states, places, scales."""
+    """What one noise means for all trials: variance and memory of states, places of the random
+    states and of those that push, scales.
+    """
 
     noise: Noise
     variance: Float
     memory: Float
     random: np.ndarray
+    forces: np.ndarray
     difference: Float
     scales: Float
 
@@ -141,7 +144,10 @@ def _noise_arrays(kernel: CompiledSystem, noise: Noise) -> _NoiseArrays:
     slots = np.array(disturbance_slots(kernel)[: len(noise.disturbance)], dtype=int)
     variance[slots], memory[slots] = noise.disturbance**2, noise.tau
     scales = np.outer(noise.scale, noise.scale)
-    return _NoiseArrays(noise, variance, memory, slots, np.full(count, STATE_DIFFERENCE), scales)
+    forces = np.array(disturbance_slots(kernel, acting=True), dtype=int)
+    return _NoiseArrays(
+        noise, variance, memory, slots, forces, np.full(count, STATE_DIFFERENCE), scales
+    )
 
 
 def _filter_trial(
@@ -155,12 +161,13 @@ def _filter_trial(
     gains, roots, transitions, predicted, filtered, cov_p, cov_f, innovations = map(
         np.zeros, shapes
     )
-    cov = series.cov.copy()
-    cov[shared.random, shared.random] = shared.variance[shared.random]
+    cov, variance = series.cov.copy(), shared.variance.copy()
+    variance[shared.forces] *= series.force_size**2
+    cov[shared.random, shared.random] = variance[shared.random]
     step_s = kernel.system.longest_step_s(MAX_FILTER_STEP_S)
     log_likelihood = kernel.kalman(
         series.mean, cov, values, series.constants, series.times, series.inputs, series.seen,
-        series.noise * shared.scales, shared.variance, shared.memory, shared.difference,
+        series.noise * shared.scales, variance, shared.memory, shared.difference,
         active_states(kernel.system, on), on, step_s, gains, roots, transitions,
         predicted, filtered, cov_p, cov_f, innovations,
     )  # fmt: skip
@@ -190,6 +197,15 @@ def disturbance_slots(kernel: CompiledSystem, *, acting: bool = False) -> list[i
         if effect.channels or not acting
         for s in effect.states
     ]
+
+
+def random_state_sizes(kernel: CompiledSystem, series: Sequence[TrialSeries]) -> Float:
+    """Standard deviations (trials, random states) over those of `Noise.disturbance`: those of
+    forces have the `force_size` of their trial.
+    """
+    pushing = set(disturbance_slots(kernel, acting=True))
+    acts = np.array([slot in pushing for slot in disturbance_slots(kernel)])
+    return np.where(acts, np.array([s.force_size for s in series])[:, None], 1.0)
 
 
 def stochastic_process_effects(kernel: CompiledSystem) -> list[Effect]:

@@ -27,6 +27,7 @@ from .filtering import (
     active_states,
     disturbance_slots,
     filter_all,
+    random_state_sizes,
     values_with_noise_switched_on,
 )
 from .recursion import fill_log_likelihoods
@@ -42,8 +43,9 @@ class LinearisedFilter:
     correction (t, n, a): filtered less predicted state; level (t, n, a): filtered random states, 0
     for others; residual (t, n, o): seen less predicted,
     NaN where missing; noise (t, n, o, o): stated; cov (t, a, a): before the first frame. random:
-    places of the random states among the active ones; places: theirs in a `Noise`; tau (a,): what F
-    was made with, 0 for other states.
+    places of the random states among the active ones; places: theirs in a `Noise`; sizes (t,
+    places): their standard deviations over those of a `Noise`; tau (a,): what F was made with, 0
+    for other states.
     """
 
     counts: np.ndarray
@@ -57,6 +59,7 @@ class LinearisedFilter:
     cov: Float
     random: np.ndarray
     places: np.ndarray
+    sizes: Float
     tau: Float
 
 
@@ -92,6 +95,7 @@ def linearised(
         np.array([s.cov[block] for s in series]),
         random,
         places,
+        random_state_sizes(kernel, series)[:, places],
         tau,
     )
 
@@ -127,8 +131,8 @@ def log_likelihood_gradient(linear: LinearisedFilter, noise: Noise) -> NoiseGrad
         lambda first, last: log_likelihood_gradients(*given, first, last, out, *slopes), trials
     )
     disturbance, tau = np.zeros((2, len(noise.disturbance)))
-    disturbance[linear.places] = 2.0 * noise.disturbance[linear.places] * by_variance.sum(
-        axis=0)[linear.random]  # fmt: skip
+    by_strength = np.sum(by_variance[:, linear.random] * linear.sizes**2, axis=0)
+    disturbance[linear.places] = 2.0 * noise.disturbance[linear.places] * by_strength
     tau[linear.places] = by_memory.sum(axis=0)[linear.random]
     scale = 2.0 * by_scales.sum(axis=0) @ noise.scale
     return NoiseGradient(float(out.sum()), disturbance, tau, scale)
@@ -140,9 +144,9 @@ def _recursion_arguments(linear: LinearisedFilter) -> tuple[np.ndarray, ...]:
 
 
 def _noise_arrays(linear: LinearisedFilter, noise: Noise) -> tuple[Float, Float, Float]:
-    """Variance and memory (a,) of the active states, and the factors on the stated noise (o, o)."""
-    variance, memory = np.zeros((2, len(linear.tau)))
-    variance[linear.random] = noise.disturbance[linear.places] ** 2
+    """Variance (t, a) and memory (a,) of the active states, factors on the stated noise (o, o)."""
+    variance, memory = np.zeros((len(linear.counts), len(linear.tau))), np.zeros(len(linear.tau))
+    variance[:, linear.random] = (linear.sizes * noise.disturbance[linear.places]) ** 2
     memory[linear.random] = noise.tau[linear.places]
     return variance, memory, np.outer(noise.scale, noise.scale)
 

@@ -22,7 +22,8 @@ def fill_log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0
 ):  # fmt: skip
     """Log likelihoods into `out` of trials `first` to `last`; shapes as in `linear.Linear`.
 
-    variance, memory (a,): of the random states, 0 for others; scales (o, o): factors on `noise`.
+    variance (t, a), memory (a,): of the random states, 0 for others; scales (o, o): factors on
+    `noise`.
     """
     a, q = F.shape[2], H.shape[2]
     d, e = np.zeros((2, a)), np.zeros(q)  # deviations from the path; the second row is workspace
@@ -30,7 +31,7 @@ def fill_log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0
     PH, S, W = np.zeros((a, q)), np.zeros((q, q)), np.zeros((q, q))
     for t in range(first, last):
         logl = 0.0
-        reset_deviation_and_covariance(d, P, cov[t], tau, variance)
+        reset_deviation_and_covariance(d, P, cov[t], tau, variance[t])
         for k in range(counts[t]):
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
@@ -43,7 +44,7 @@ def fill_log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0
                     correction[t, k - 1],
                     level[t, k - 1],
                     tau,
-                    variance,
+                    variance[t],
                     memory,
                     dt,
                 )

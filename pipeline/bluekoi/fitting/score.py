@@ -44,7 +44,7 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
     tall, short = np.zeros((2, a, a)), np.zeros((3, q))
     for t in range(first, last):
         out[t] = 0.0
-        reset_deviation_and_covariance(d, P, cov[t], tau, variance)
+        reset_deviation_and_covariance(d, P, cov[t], tau, variance[t])
         for k in range(counts[t]):
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
@@ -57,7 +57,7 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
                     correction[t, k - 1],
                     level[t, k - 1],
                     tau,
-                    variance,
+                    variance[t],
                     memory,
                     dt,
                 )
@@ -79,7 +79,7 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
                 _multiply_into(U, A, AP)
                 for i in range(a):
                     d[0, i] = after[k - 1, i] - correction[t, k - 1, i] + level[t, k - 1, i]
-                _add_process_slopes(u[0], U, AP, F[t, k], d[0], filtered[k - 1], tau, variance,
+                _add_process_slopes(u[0], U, AP, F[t, k], d[0], filtered[k - 1], tau, variance[t],
                                     memory, dt, by_variance[t], by_memory[t])  # fmt: skip
                 _transpose_multiply_into(A, AP, U)
                 _apply_transpose(A, u)

@@ -31,7 +31,7 @@ class TrialSeries:
     missing, noise (n, observations, observations), mean (states,) and cov (states, states) before
     the first frame. group: what trials share that have coefficients of their own (a power).
     condition: what repeats share. evidence: name -> (value, std) of side measurements. shared: one
-    that all trials share.
+    that all trials share. force_size: of the random forces in this trial, over `Noise.disturbance`.
     """
 
     name: str
@@ -46,6 +46,7 @@ class TrialSeries:
     cov: Float
     evidence: dict[str, tuple[float, float]] = field(default_factory=dict)
     shared: SharedMeasurement | None = None
+    force_size: float = 1.0
 
     def frames(self, first: int, last: int) -> TrialSeries:
         """Frames `first` to `last` (excluded) of the trial, with the same start."""
@@ -70,7 +71,8 @@ class Noise:
     """Strength of what is random.
 
     disturbance (random states,): stationary standard deviation of each random state, in the order
-    of the system's states; states beyond its end are absent. tau (random states,), or one for all:
+    of the system's states, of forces in a trial of `force_size` 1; states beyond its end are
+    absent. tau (random states,), or one for all:
     correlation times [s]. scale (observations,): factor on the stated standard deviation of each
     observation. trial_effects: errors that are constant within a trial and differ between trials.
     least_scale: lower bound of estimates of `scale`, 1 if the stated deviations are those of the

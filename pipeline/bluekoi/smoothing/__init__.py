@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..data import MIN_POSE_FRAMES, Float, Pose, Track
+from ..data import MIN_POSE_FRAMES, BoolNDArray, Float, Pose, Track
 from ..errors import input_error
 from .gaps import with_calibrated_gaps
 from .grid import FilterTimeGrid, filter_grid
@@ -16,12 +16,16 @@ from .kalman_numba import compiled_filter_and_smooth
 from .linear_gaussian import SmoothedStates
 from .noise_fit import FittedMotionModel
 from .nominal_motion import rough_speed
+from .screening import screen_measurements
 from .speed import speed_and_std
-from .state_space_fit import KnownMotion, cost_with_moving_start, fit_angle, fit_position
+from .state_space_fit import (
+    MIN_LOG_LIK_GAIN_START,
+    KnownMotion,
+    cost_with_moving_start,
+    fit_angle,
+    fit_position,
+)
 
-MIN_LOG_LIK_GAIN_MOVING = 12.0
-"""Gain in twice the log likelihood that decides between a start from rest and one in motion; in
-doubt the body starts from rest, as trials do."""
 HeadingAndPositionModels = tuple[FittedMotionModel, FittedMotionModel]
 
 
@@ -61,7 +65,7 @@ def smooth_with_noise_ratio(pose: Pose, flap_hz: float) -> tuple[Track, tuple[fl
         yaw_rate_rad_s=turn.x[at, 1],
         yaw_rate_rad_s_std=np.sqrt(turn.P[at, 1, 1]),
         **_smooth_head_angle(values[:, 3], cov[:, 3, 3], grid, hz),
-        recoil=_recoil_in_pool_frame(move.x[at], turn.x[at], plane.model.H[at]) * (hz > 0),
+        **_recoil_columns(move, turn, plane.model.H, at) if hz > 0 else {},
         remarks=_smoothing_remarks(pose, grid, plane, heading),
     )
     return track, (plane.noise_ratio, heading.noise_ratio)
@@ -90,6 +94,7 @@ def _fitted_models(
     noise can pass for a start from rest. The second search starts at the noise of the first.
     """
     speed = rough_speed(values[:, :2], cov[:, :2, :2], grid)
+    onset = screen_measurements(values[:, :2], cov[:, :2, :2], grid).onset
 
     def fit(
         resting: bool, near: HeadingAndPositionModels | tuple[None, None], coloured: Sequence[bool]
@@ -97,20 +102,20 @@ def _fitted_models(
         common: dict[str, Any] = {"flap_hz": hz, "resting": resting}
         one, other = ({**common, "near": n, "coloured": c}
                       for n, c in zip(near, coloured, strict=True))  # fmt: skip
-        heading = fit_angle(values[:, 2], cov[:, 2, 2], grid, speed=speed, **one)
+        heading = fit_angle(values[:, 2], cov[:, 2, 2], grid, speed=speed, onset=onset, **one)
         turn = compiled_filter_and_smooth(heading.model, heading.used)
         std, rate_std = np.sqrt(turn.P[:, 0, 0]), np.sqrt(turn.P[:, 1, 1])
         known = KnownMotion(turn.x[:, 0], std, rate_std, speed)
         return heading, fit_position(values[:, :2], cov[:, :2, :2], grid, known=known, **other)
 
     rest = fit(True, (None, None), (False, False))
-    if cost_with_moving_start(rest[1]) - rest[1].cost > MIN_LOG_LIK_GAIN_MOVING:
+    if cost_with_moving_start(rest[1]) - rest[1].cost > MIN_LOG_LIK_GAIN_START:
         return rest
-    moving = fit(False, rest, [one.coloured for one in rest])
+    moving = fit(False, rest, [any(one.coloured for one in rest)] * 2)
     if any(m.coloured and not r.coloured for m, r in zip(moving, rest, strict=True)):
         rest = fit(True, rest, [one.coloured for one in moving])
     gain = sum(one.cost for one in rest) - sum(one.cost for one in moving)
-    return moving if gain > MIN_LOG_LIK_GAIN_MOVING else rest
+    return moving if gain > MIN_LOG_LIK_GAIN_START else rest
 
 
 def _smooth_head_angle(
@@ -144,10 +149,17 @@ def _velocity_columns(x: Float, P: Float, theta: Float) -> dict[str, Float]:
     return velocity | {"vx_m_s_std": np.sqrt(C[:, 0, 0]), "vy_m_s_std": np.sqrt(C[:, 1, 1])}
 
 
-def _recoil_in_pool_frame(move: Float, turn: Float, H: Float) -> Float:
-    """Recoil (frames, 3): x, y in the pool frame [m] and heading [rad]."""
-    xy = np.einsum("npd,nd->np", H[:, :, 6:10], move[:, 6:10])
-    return np.column_stack([xy, turn[:, 3] if turn.shape[1] > 3 else np.zeros(len(turn))])
+def _recoil_columns(
+    move: SmoothedStates, turn: SmoothedStates, H: Float, at: BoolNDArray
+) -> dict[str, Float]:
+    """Recoil at the frames (frames, 3), x, y in the pool frame [m] and heading [rad], and its
+    standard deviation.
+    """
+    C, states = H[at, :, 6:10], slice(6, 10)
+    xy = np.einsum("npd,nd->np", C, move.x[at, states])
+    variance = np.einsum("npd,nde,npe->np", C, move.P[at, states, states], C)
+    std = np.sqrt(np.column_stack([variance, turn.P[at, 3, 3]]))
+    return {"recoil": np.column_stack([xy, turn.x[at, 3]]), "recoil_std": std}
 
 
 def _smoothing_remarks(

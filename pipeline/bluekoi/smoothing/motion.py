@@ -22,7 +22,8 @@ from ..data import Float
 from ..vector_width import njit
 
 RECOIL_MEMORY_BEATS = 15.0
-"""The recoil keeps its amplitude and phase over about so many tail beats."""
+"""The recoil keeps its amplitude and phase over about so many tail beats. At a start from rest, it
+builds up from 0 within one."""
 
 
 @njit(cache=True)
@@ -30,8 +31,9 @@ def heading_matrices(noise, dt, hz, nominal):  # type: ignore[no-untyped-def]
     """F, Q (n, 5, 5) of an angle: angle, rate, acceleration, recoil and its quadrature.
 
     noise: (tau s, density of w_v, density of w_a, start-up factor, recoil variance). dt: (n,) s,
-    dt[0] unused. nominal: (n, 3): onset from 0 to 1, by which the start-up factor multiplies w_a;
-    relative speed; heading noise, a density added to that of sway's w_v.
+    dt[0] unused. nominal: (n, 3): onset from 0 to 1, by which the start-up factor multiplies w_a
+    and with which the recoil builds up; relative speed; heading noise, a density added to that of
+    sway's w_v.
     """
     n, d = len(dt), 5 if hz > 0 else 3
     F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
@@ -40,7 +42,7 @@ def heading_matrices(noise, dt, hz, nominal):  # type: ignore[no-untyped-def]
     for k in range(1, n):
         _fill_mean_motion_blocks(F[k], Q[k], dt[k], noise, nominal[k])
         if hz > 0:
-            _fill_recoil_blocks(F[k], Q[k], dt[k], hz, noise[4], 3)
+            _fill_recoil_blocks(F[k], Q[k], dt[k], hz, noise[4], nominal[k, 0], 3)
     return F, Q
 
 
@@ -64,8 +66,8 @@ def planar_matrices(noise, dt, hz, nominal, theta):  # type: ignore[no-untyped-d
         c, s = np.cos(theta[k] - half), np.sin(theta[k] - half)
         _rotate_to_pool_frame(F[k], Q[k], c, s, chord)
         if hz > 0:
-            _fill_recoil_blocks(F[k], Q[k], dt[k], hz, noise[5], 6)
-            _fill_recoil_blocks(F[k], Q[k], dt[k], hz, noise[6], 8)
+            _fill_recoil_blocks(F[k], Q[k], dt[k], hz, noise[5], nominal[k, 0], 6)
+            _fill_recoil_blocks(F[k], Q[k], dt[k], hz, noise[6], nominal[k, 0], 8)
     return F, Q
 
 
@@ -111,8 +113,9 @@ def _rotate_to_pool_frame(F, Q, c, s, chord):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _fill_recoil_blocks(F, Q, dt, hz, variance, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    keep = np.exp(-dt * hz / RECOIL_MEMORY_BEATS)
+def _fill_recoil_blocks(F, Q, dt, hz, variance, onset, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """Blocks of an oscillator that is renewed within one beat at the onset; its variance stays."""
+    keep = np.exp(-dt * hz * (1.0 / RECOIL_MEMORY_BEATS + onset))
     c, s = keep * np.cos(2 * np.pi * hz * dt), keep * np.sin(2 * np.pi * hz * dt)
     F[at, at] = F[at + 1, at + 1] = c
     F[at, at + 1], F[at + 1, at] = -s, s

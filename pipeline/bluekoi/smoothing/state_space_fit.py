@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -39,6 +41,12 @@ RELATIVE_START_STDS_RESTING, RELATIVE_START_STDS_MOVING = (0.01, 3.0), (3.0, 0.0
 """Prior standard deviations of the initial rate of change, over the trial's usual one
 (`ScreenedMeasurements.speed`), and of the initial acceleration, over usual rate / T: for a start
 from rest, and for one in motion."""
+RESTING_RECOIL_SHARE = 1e-4
+"""Prior variance of the recoil of a body at rest, over that of the recoil in motion. Where the
+first frames show a recoil of full size (the tail beats while the body is held), it is 1."""
+MIN_LOG_LIK_GAIN_START = 12.0
+"""Gain in twice the log likelihood that decides between a start from rest and one in motion, of
+body or tail; in doubt they start from rest, as in most trials."""
 
 
 @dataclass(frozen=True)
@@ -74,14 +82,18 @@ def fit_angle(
     resting: bool,
     coloured: bool = False,
     near: FittedMotionModel | None = None,
+    onset: Float | None = None,
 ) -> FittedMotionModel:
     """Most likely model of an angle (nodes,) [rad, unwrapped] with its variance, NaN if not seen.
 
     speed: (nodes,) of the body, m/s. resting: it does not turn in the first frame. coloured: try
-    coloured noise even if the white noise left does not call for it. near: start the search at its
-    noise.
+    coloured noise even if the white noise left does not call for it. near: search from its noise as
+    well. onset: (nodes,) window of the start-up, where the position shows it better than the angle,
+    which in a straight run leaves its first value by recoil alone.
     """
     data = screen_measurements(angle[:, None], variance[:, None, None], grid)
+    if onset is not None:
+        data = replace(data, onset=onset)
     nominal = nominal_motion(data, speed, np.zeros(len(speed)), resting=resting)
     H = np.zeros((len(angle), 1, 5 if flap_hz > 0 else 3))
     H[:, 0, 0] = 1.0
@@ -120,12 +132,18 @@ def fit_position(
 
 def cost_with_moving_start(fitted: FittedMotionModel) -> float:
     """Cost of a model fitted from rest, were the body moving in the first frame; same noise."""
-    model = fitted.model
-    m = model.z.shape[1]
-    P0 = model.P0.copy()
-    rates = np.arange(m, 2 * m)
-    P0[rates, rates] *= (RELATIVE_START_STDS_MOVING[0] / RELATIVE_START_STDS_RESTING[0]) ** 2
-    gate, other = outlier_gate(m), replace(model, P0=P0)
+    m = fitted.model.z.shape[1]
+    factor = (RELATIVE_START_STDS_MOVING[0] / RELATIVE_START_STDS_RESTING[0]) ** 2
+    return _cost_with_start_variance(fitted, np.arange(m, 2 * m), factor)
+
+
+def _cost_with_start_variance(
+    fitted: FittedMotionModel, states: np.ndarray, factor: float
+) -> float:
+    """Cost of a model, were the variance of some states in the first frame larger; same noise."""
+    model, P0 = fitted.model, fitted.model.P0.copy()
+    P0[states, states] *= factor
+    gate, other = outlier_gate(model.z.shape[1]), replace(model, P0=P0)
     gain = minus_two_log_likelihood(other, fitted.first, gate) - minus_two_log_likelihood(
         model, fitted.first, gate
     )
@@ -147,13 +165,14 @@ def _fit_motion_model(
     recoils = (H.shape[2] - 3 * m) // 2
     units = _noise_units(data, grid, recoils)
     x0, widths = _initial_state_prior(data, grid.scale_s, recoils, resting)
+    share = RESTING_RECOIL_SHARE if resting else 1.0
 
-    def build(logs: Float) -> LinearGaussianModel:
+    def build(logs: Float, recoil_share: float = share) -> LinearGaussianModel:
         noise = units * np.exp(logs[:-1])
         F, Q = matrices(noise)
         steady = 0.0 if resting else 0.5 * noise[0] * noise[2]
         first = np.concatenate([widths[:2], widths[2:] + steady])
-        beats = noise[len(noise) - recoils :]
+        beats = noise[len(noise) - recoils :] * recoil_share
         P0 = np.diag(np.concatenate([np.repeat(first, m), np.repeat(beats, 2)]))
         return LinearGaussianModel(F, Q, H, data.R * np.exp(logs[-1]), data.z, x0, P0)
 
@@ -168,14 +187,20 @@ def _fit_motion_model(
     T = grid.scale_s
     largest = np.log(np.array(MAX_RELATIVE_DENSITIES) * data.speed**2 / [T, T**3] / units[1:3])
     starts = _starting_log_noise(m, recoils, np.full(2, LOG_START_NOISE))
+    common: dict[str, Any] = {"first": data.plausible, "spread": spread}
     found = fit_process_noise(
         build,
         data.seen,
-        first=data.plausible,
-        spread=spread,
-        starts=starts if near is None else [near.white_logs],
+        starts=starts if near is None else [near.white_logs, *starts],
         more_starts=_starting_log_noise(m, recoils, np.maximum(largest, LOG_START_NOISE)),
+        **common,
     )
+    beating = np.arange(3 * m, 3 * m + 2 * recoils)
+    if share < 1.0 and (
+        _cost_with_start_variance(found, beating, 1.0 / share) < found.cost - MIN_LOG_LIK_GAIN_START
+    ):
+        build = partial(build, recoil_share=1.0)
+        found = fit_process_noise(build, data.seen, starts=[found.logs, *starts], **common)
     if found.logs[-1] > MAX_LOG_NOISE_RATIO_COLOURED and not coloured:
         return found
     return _with_coloured_noise_if_better(found, build, data, grid, spread=spread)
@@ -214,10 +239,16 @@ def _with_coloured_noise_if_better(
 
 
 def _starting_log_noise(m: int, recoils: int, logs: Float) -> list[Float]:
-    """Logs to search from: a motion disturbed in its rate, and one in its acceleration."""
-    others = [*[0.0] * (m - 1), *[LOG_START_RECOIL_NOISE] * recoils, 0.0]
-    pairs = ((logs[0], 0.0, 0.0), (0.0, logs[1], 1.0))
-    return [np.array([0.0, *pair, *others]) for pair in pairs]
+    """Logs to search from: a motion disturbed in its rate, and one in its acceleration.
+
+    The tail beats sideways: the recoil along the body is taken to be small; as a large one, which
+    may hide the start of a motion, it is tried as well.
+    """
+    shares, loud = [0.0] * (m - 1), [LOG_START_RECOIL_NOISE] * recoils
+    quiet = [*[0.0] * (recoils - 1), *loud[:1]]
+    rate, acceleration = (logs[0], 0.0, 0.0), (0.0, logs[1], 1.0)
+    pairs = [(rate, quiet), (acceleration, quiet)] + [(acceleration, loud)] * (recoils > 1)
+    return [np.array([0.0, *pair, *shares, *beats, 0.0]) for pair, beats in pairs]
 
 
 def _noise_units(data: ScreenedMeasurements, grid: FilterTimeGrid, recoils: int) -> Float:

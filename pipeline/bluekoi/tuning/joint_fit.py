@@ -36,7 +36,7 @@ HEAD_ANGLE_ERROR_PARAMETER = "head_angle_offset.offset"
 """The parameter that a servo's error in one trial changes."""
 UNDETERMINED_ABOVE = 0.3
 """A parameter is not determined where its standard deviation exceeds this share of its size."""
-START_SCALES = (0.3, 0.1, 0.03, 0.0)
+START_SCALES = (0.3, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 0.0)
 """Shares of the usual coefficients from which a fit begins where the model runs away at those."""
 START_NOISE = Noise(
     np.array([0.005, 0.005, 0.0005, 3e-4, 3e-4, 3e-3]),

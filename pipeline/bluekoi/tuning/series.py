@@ -8,13 +8,15 @@ import numpy as np
 
 from ..data import FlappingFrequency, Float, Pose, Track, has_excess_variance
 from ..fitting import TrialSeries
-from ..model import constants_of_robot_trial, robot_units, two_plate_system
+from ..model import RobotUnits, constants_of_robot_trial, robot_units, two_plate_system
 from ..observation import camera_error_inputs
 from ..study import Study, StudySettings, Trial
 from .similar_robots import similar_state_std
 
 OUTLIER_SIGMA = 6.0
 SERVO_STD_RAD = 0.01  # ASSUME a servo error of 0.6 degrees, constant within a trial
+USUAL_FLAP_HZ = 3.5
+"""Flapping frequency of the published robot at which `Noise.disturbance` states the forces."""
 INITIAL_STATE_STD = np.array([0.1, 0.1, 0.05, 0.05, 0.05, 0.3])  # m, m, rad, m/s, m/s, rad/s
 """For the published robot; of the place as much as the centre of mass may be off the keypoint."""
 
@@ -57,6 +59,7 @@ def trial_series(
         seen, noise, times, track
     )
     unusable |= _is_poorly_seen(noise, unusable)
+    noise += _recoil_covariance(times, track, flapping.flap_hz)
     seen[unusable] = np.nan
     noise[unusable] = np.eye(4)
     start = _initial_state_from_track(times, track)
@@ -79,7 +82,19 @@ def trial_series(
         noise=noise,
         mean=np.concatenate([start, np.zeros(others)]),
         cov=np.diag(np.concatenate([start_std, np.full(others, 1e-6)]) ** 2),
+        force_size=_random_force_size(flapping.flap_hz, robot_units(setup.robot)),
     )
+
+
+def _random_force_size(flap_hz: float, units: RobotUnits) -> float:
+    """Size of the random forces in a trial, over that at the usual flapping frequency.
+
+    Water that moves at random by w changes the dynamic pressure by rho V w, and the speed V goes
+    with the flapping frequency. The trials of the search's generators are likelier with forces of
+    this size than with equal ones (docs/decisions/052).
+    """
+    beats = flap_hz * units.time / USUAL_FLAP_HZ
+    return beats if np.isfinite(beats) and beats > 0 else 1.0
 
 
 def condition_label(trial: Trial) -> str:
@@ -93,6 +108,20 @@ def _without_recoil(values: Float, times: Float, track: Track) -> Float:
         out[:, i] -= np.interp(times, track.time_s, track.recoil[:, i])
     smooth = np.interp(times, track.time_s, track.heading_rad)
     out[:, 2] += 2 * np.pi * np.round((smooth - out[:, 2]) / (2 * np.pi))
+    return out
+
+
+def _recoil_covariance(times: Float, track: Track, flap_hz: float) -> Float:
+    """Covariance (n, 4, 4) that the error of the recoil adds to a frame.
+
+    It has one sign for half a beat, and averages over frames do not reduce it as they reduce white
+    noise: it counts once a quarter of a beat. It is largest where the recoil builds up.
+    """
+    step = float(np.median(np.diff(times)))
+    lasting = max(0.25 / (flap_hz * step), 1.0) if flap_hz > 0 else 1.0
+    out = np.zeros((len(times), 4, 4))
+    for i in range(3):
+        out[:, i, i] = lasting * np.interp(times, track.time_s, track.recoil_std[:, i]) ** 2
     return out
 
 

@@ -23,7 +23,12 @@ from bluekoi.keypoints.outline.edges import edge_offset
 from bluekoi.keypoints.outline.ghost_removal import _write_unhidden_median
 from bluekoi.keypoints.outline.plane import swimming_plane
 from bluekoi.keypoints.outline.tail_detection import tail_length
-from bluekoi.keypoints.outline.template import initial_template, nan_median, with_learned_outline
+from bluekoi.keypoints.outline.template import (
+    initial_template,
+    nan_median,
+    nose_loss_by_blur,
+    with_learned_outline,
+)
 from bluekoi.synthetic.design import picture_conditions_design
 from bluekoi.synthetic.optics import gopro_like_camera
 from bluekoi.synthetic.picture_conditions import PICTURE_CONDITIONS_BY_NAME
@@ -39,22 +44,64 @@ def step_picture(place: float, *, blur: float = 1.0, angle: float = 0.3) -> np.n
 
 
 @pytest.mark.parametrize("place", [-1.3, -0.4, 0.0, 0.25, 0.7, 2.1])
-@pytest.mark.parametrize("gain", [1.0, 0.85])
+@pytest.mark.parametrize("gain", [1.0, 0.85, 0.72])
 def test_an_edge_is_found_to_a_twentieth_of_a_pixel(place, gain):
     luma = step_picture(place)
     floor = np.full_like(luma, round(180 / gain))
     normal = (np.cos(0.3), np.sin(0.3))
-    found = edge_offset((luma, floor), (40.0, 40.0, *normal), 60.0, np.empty((2, 17)))
+    found, _, _ = edge_offset((luma, floor), (40.0, 40.0, *normal), 60.0, np.empty((2, 17)))
     assert found == pytest.approx(place * np.cos(0.3), abs=0.06)
+
+
+@pytest.mark.parametrize("place", [-0.4, 0.0, 0.7])
+@pytest.mark.parametrize("light", [-0.015, 0.015])
+def test_an_edge_beside_a_shadow_is_found_where_it_is(place, light):
+    """light: change of the floor's brightness, 1/px, as in the half-shade beside a shadow."""
+    v, u = np.indices((80, 80))
+    outwards = (u - 40) * np.cos(0.3) + (v - 40) * np.sin(0.3)
+    body = (180.0 - step_picture(place)) / 120.0
+    lit = body * 60.0 + (1.0 - body) * 180.0 * (0.85 + light * outwards)
+    pictures = np.round(lit).astype(np.uint8), np.full((80, 80), 180, np.uint8)
+    normal = (np.cos(0.3), np.sin(0.3))
+    lines = np.empty((2, 17))
+    found, gradient, derivative = edge_offset(pictures, (40.0, 40.0, *normal), 60.0, lines)
+    off = found - place * np.cos(0.3)
+    assert abs(off) > 0.1
+    assert gradient == pytest.approx(light, rel=0.35)
+    assert abs(off + gradient * derivative) < 0.4 * abs(off)
 
 
 def test_no_edge_where_there_is_none():
     flat = np.full((80, 80), 180, np.uint8)
-    assert np.isnan(edge_offset((flat, flat), (40.0, 40.0, 1.0, 0.0), 60.0, np.empty((2, 17))))
+    assert np.isnan(edge_offset((flat, flat), (40.0, 40.0, 1.0, 0.0), 60.0, np.empty((2, 17)))[0])
     dim = np.full((80, 80), 65, np.uint8)
-    assert np.isnan(edge_offset((dim, dim), (40.0, 40.0, 1.0, 0.0), 60.0, np.empty((2, 17))))
+    assert np.isnan(edge_offset((dim, dim), (40.0, 40.0, 1.0, 0.0), 60.0, np.empty((2, 17)))[0])
     edge = step_picture(0.0)
-    assert np.isnan(edge_offset((edge, edge), (3.0, 40.0, 1.0, 0.0), 60.0, np.empty((2, 17))))
+    assert np.isnan(edge_offset((edge, edge), (3.0, 40.0, 1.0, 0.0), 60.0, np.empty((2, 17)))[0])
+
+
+def nose_picture(centre: np.ndarray, angle: float, exponent: float) -> np.ndarray:
+    """Dark (60) nose at an angle, its tip at a place, 1.5 (|y| / 4)^exponent px back at y aside."""
+    v, u = (np.indices((600, 600)) - 4.5) / 10.0
+    ahead = (u - centre[0]) * np.cos(angle) + (v - centre[1]) * np.sin(angle)
+    aside = (v - centre[1]) * np.cos(angle) - (u - centre[0]) * np.sin(angle)
+    body = ahead < -1.5 * (np.abs(aside) / 4.0) ** exponent
+    fine = np.where(body & (ahead > -14), 60.0, 180.0)
+    return np.round(fine.reshape(60, 10, 60, 10).mean(axis=(1, 3))).astype(np.uint8)
+
+
+@pytest.mark.parametrize(("exponent", "within"), [(1.0, 0.07), (1.6, 0.04), (2.0, 0.07)])
+def test_a_nose_is_seen_as_far_back_as_its_template_says(exponent, within):
+    rng, offsets = np.random.default_rng(3), []
+    for _ in range(40):
+        centre, angle = 30 + rng.uniform(-0.5, 0.5, 2), rng.uniform(0, 2 * np.pi)
+        luma = nose_picture(centre, angle, exponent)
+        place = (*centre, np.cos(angle), np.sin(angle))
+        floor = np.full_like(luma, 180)
+        offsets.append(edge_offset((luma, floor), place, 60.0, np.empty((2, 17)))[0])
+    side = np.hypot(10.0 - 1.5, 4.0)
+    angles, radii = np.array([0.0, np.arctan2(4.0, 8.5)]), np.array([10.0, side])
+    assert np.mean(offsets) == pytest.approx(-nose_loss_by_blur(angles, radii, 0.5), abs=within)
 
 
 def test_plane_agrees_with_independent_optics():
@@ -163,6 +210,9 @@ def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length(
         trial.head_length_m / setup.robot.body_length_m
     )
     assert np.all(skin[2:-2] == 70.0)
+    blurred = with_learned_outline(start, shift, np.full(shift.shape, 70.0), blur_bl=0.003)
+    loss = nose_loss_by_blur(start.angles, wider.radii, 0.003)
+    assert wider.radii[0] - blurred.radii[0] == pytest.approx(loss, rel=0.1)
     assert len(points) == len(skin) == len(part) == wider.visible_stations().sum()
 
 

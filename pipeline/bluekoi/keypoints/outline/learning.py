@@ -17,6 +17,9 @@ from .tracking import DetectionScene, OutlineFit, fit_frame, is_plausible_blob, 
 
 SEARCH_LENGTHS_BL = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
 AREA_PER_LENGTH_SQUARED = 0.16
+PICTURE_BLUR_PX = 0.5
+"""Least rms blur of what is read from a picture: variance 1/12 of a pixel's width, and 1/6, on
+average, of linear interpolation between pixels."""
 GOOD_SUPPORT = 0.9
 MIN_BEND_RAD = 0.15
 START_OFFSETS_BL = ((0.0,), (-0.09, 0.0, 0.09), (-0.15, -0.075, 0.0, 0.075, 0.15))
@@ -120,8 +123,9 @@ def _refine_template(
             for f, one in fits
         ]
         kept = _near_best_support(fits)
+        seen = measure_stations(kept, scene, template, int(reach[-1]))
         template = with_learned_outline(
-            template, *measure_stations(kept, scene, template, int(reach[-1]))
+            template, *seen, blur_bl=PICTURE_BLUR_PX / scene.plane.px_per_bl
         )
     shape = template.shape()
     last = [

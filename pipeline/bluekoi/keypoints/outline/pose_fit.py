@@ -14,6 +14,7 @@ from .plane import horner
 
 OutlineArrays = tuple[Float, Float, npt.NDArray[np.int64], Float]
 MAX_EXTRA_ITERATIONS = 5
+GRADIENT_NEIGHBOURS = 2
 CONVERGED_PX = 0.1
 CONVERGED_RAD = 0.001
 
@@ -52,7 +53,7 @@ def measure_edge_offsets(
     """
     points, normals, part, skin = shape
     n = len(points)
-    offset = np.empty(n)
+    offset, gradient, derivative = np.empty(n), np.empty(n), np.empty(n)
     slope = np.zeros((n, 5))
     local = plane_to_pixel_jacobian(maps[0], maps[1], pose[0], pose[1])
     det = local[0, 0] * local[1, 1] - local[0, 1] * local[1, 0]
@@ -69,14 +70,40 @@ def measure_edge_offsets(
         size = math.hypot(u, v)
         u, v = u / size, v / size
         at_u, at_v = horner(maps[0], maps[1], pose[0] + x, pose[1] + y)
-        offset[i] = edge_offset(pictures, (at_u, at_v, u, v), skin[i], lines)
+        place = (at_u, at_v, u, v)
+        offset[i], gradient[i], derivative[i] = edge_offset(pictures, place, skin[i], lines)
         gx = u * local[0, 0] + v * local[1, 0]
         gy = u * local[0, 1] + v * local[1, 1]
         slope[i, 0], slope[i, 1], slope[i, 4] = gx, gy, 1.0
         slope[i, 2] = -gx * y + gy * x
         if part[i] == 0:
             slope[i, 3] = -slope[i, 2]
+    _correct_for_light_gradient(offset, (gradient, derivative), points, part)
     return offset, slope
+
+
+@njit(cache=True, error_model="numpy")
+def _correct_for_light_gradient(
+    offset: Float, light: tuple[Float, Float], points: Float, part: npt.NDArray[np.int64]
+) -> None:
+    """Correct offsets (n,) in place for the light's gradient outwards.
+
+    light: gradients (n,) [1/px] and derivatives (n,) of the offsets by them. Light changes slowly
+    along the outline, so that a point gets the mean gradient of its neighbours on the same side of
+    the same part, weighted by a triangle.
+    """
+    gradient, derivative = light
+    reach = GRADIENT_NEIGHBOURS
+    for i in range(len(offset)):
+        total, weight = 0.0, 0.0
+        for j in range(max(0, i - reach), min(len(offset), i + reach + 1)):
+            beside = part[j] == part[i] and points[j, 1] * points[i, 1] >= 0.0
+            if beside and math.isfinite(offset[j]):
+                share = 1.0 + reach - abs(i - j)
+                total += share * gradient[j]
+                weight += share
+        if weight > 0.0:
+            offset[i] += derivative[i] * total / weight
 
 
 @njit(cache=True, error_model="numpy")

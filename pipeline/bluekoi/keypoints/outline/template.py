@@ -6,6 +6,7 @@ Head: radii about a point on its axis, symmetric, in axes with the hinge at 0 an
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -155,13 +156,13 @@ def _blunt_head_radii(angles: Float, head_bl: float, half_bl: float) -> Float:
 
 
 def with_learned_outline(
-    template: OutlineTemplate, offsets_bl: Float, skins: Float, share: float = 1.0
+    template: OutlineTemplate, offsets_bl: Float, skins: Float, blur_bl: float = 0.0
 ) -> OutlineTemplate:
     """Template whose stations moved by the median offset seen over frames and both sides.
 
     offsets_bl: (frames, stations of both parts and sides), NaN where not seen. skins: grey levels,
-    the same shape. The nose stays at the head's length: what the whole head moved along its axis
-    is taken back.
+    the same shape. blur_bl: of the pictures, rms. The nose stays at the head's length, less what
+    blur takes of it: what the whole head moved along its axis is taken back.
     """
     h, c = HEAD_STATIONS, CORE_STATIONS
     parts = (offsets_bl[:, :h], offsets_bl[:, h : 2 * h], offsets_bl[:, 2 * h : 2 * h + c])
@@ -169,13 +170,13 @@ def with_learned_outline(
     head = _binomial_smoothed(_median_over_sides(parts[0], parts[1]))
     core = _binomial_smoothed(_median_over_sides(parts[2], core_right))
     radial = np.sum(_unit_normals(template._head()) * _radial_directions(template), axis=1)
-    radii = template.radii + share * head / np.clip(radial, 0.5, 1.0)
+    radii = template.radii + head / np.clip(radial, 0.5, 1.0)
     lateral = np.abs(_unit_normals(template._core())[:, 1])
-    half = np.maximum(template.half + share * core / np.clip(lateral, 0.5, 1.0), 0.0015)
+    half = np.maximum(template.half + core / np.clip(lateral, 0.5, 1.0), 0.0015)
     sides = np.split(nan_median(skins), [h, 2 * h, 2 * h + c])
     return replace(
         template,
-        radii=_move_nose_to_head_length(template, radii),
+        radii=_move_nose_to_head_length(template, radii, blur_bl),
         half=half,
         head_skin=_finite_or_previous(np.stack(sides[:2]), template.head_skin),
         core_skin=_finite_or_previous(np.stack(sides[2:]), template.core_skin),
@@ -228,10 +229,28 @@ def _binomial_smoothed(values: Float) -> Float:
     return 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
 
 
-def _move_nose_to_head_length(template: OutlineTemplate, radii: Float) -> Float:
-    """Radii of the same outline moved along the axis so that the nose is at the head's length."""
-    shift = template.head_bl * (1 - HEAD_ORIGIN_SHARE) - radii[0]
+def _move_nose_to_head_length(template: OutlineTemplate, radii: Float, blur_bl: float) -> Float:
+    """Radii of the same outline moved along the axis so that the nose is seen where it should be.
+
+    That is at the head's length, less what blur takes of the nose.
+    """
+    nose = template.head_bl - nose_loss_by_blur(template.angles, radii, blur_bl)
+    shift = nose - template.head_bl * HEAD_ORIGIN_SHARE - radii[0]
     x = radii * np.cos(template.angles) + shift
     y = radii * np.sin(template.angles)
     angles = np.unwrap(np.arctan2(y, x))
     return np.interp(template.angles, angles, np.hypot(x, y))
+
+
+def nose_loss_by_blur(angles: Float, radii: Float, blur_bl: float) -> float:
+    """How far behind the nose its edge is seen in a picture of a blur (rms).
+
+    Across the axis the blur takes the mean of the outline x(y). Between the nose and the next
+    station, a way `back` behind it and `aside`, the outline is neither blunter than a parabola, of
+    which blur takes back (blur / aside)^2, nor sharper than a corner, of which it takes
+    back sqrt(2 / pi) blur / aside: the loss is their mean.
+    """
+    aside = radii[1] * np.sin(angles[1])
+    back = max(radii[0] - radii[1] * np.cos(angles[1]), 0.0)
+    share = blur_bl / aside
+    return float(0.5 * back * (share**2 + math.sqrt(2.0 / math.pi) * share))

@@ -36,8 +36,10 @@ HEAD_ANGLE_ERROR_PARAMETER = "head_angle_offset.offset"
 """The parameter that a servo's error in one trial changes."""
 UNDETERMINED_ABOVE = 0.3
 """A parameter is not determined where its standard deviation exceeds this share of its size."""
-START_SCALES = (0.3, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 0.0)
-"""Shares of the usual coefficients from which a fit begins where the model runs away at those."""
+START_SCALES = (0.3, 0.1, 0.03, 0.0)
+"""Shares of the usual coefficients from which a fit begins where the model runs away at those. The
+yaw damping, which calms the model, stays as it is."""
+YAW_DAMPING = "C_Md"
 START_NOISE = Noise(
     np.array([0.005, 0.005, 0.0005, 3e-4, 3e-4, 3e-3]),
     np.array([0.5, 0.5, 0.5, 0.2, 0.2, 0.2]),
@@ -135,7 +137,8 @@ def _first_fit(
     given = start or {}
     values = {f.label: given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free}
     for share in (1.0, *START_SCALES):
-        begin = {label: float(share * value) for label, value in values.items()}
+        begin = {label: float(value if label.startswith(YAW_DAMPING) else share * value)
+                 for label, value in values.items()}  # fmt: skip
         found = fit_parameters_jointly(
             kernel, series, base, free, noise, start=start if share == 1.0 else begin
         )

@@ -112,16 +112,18 @@ def _without_recoil(values: Float, times: Float, track: Track) -> Float:
 
 
 def _recoil_covariance(times: Float, track: Track, flap_hz: float) -> Float:
-    """Covariance (n, 4, 4) that the error of the recoil adds to a frame.
+    """Covariance (n, 4, 4) that the error of the recoil adds to a frame where it is larger than
+    usual: mean motion and recoil are confused where the recoil builds up.
 
-    It has one sign for half a beat, and averages over frames do not reduce it as they reduce white
-    noise: it counts once a quarter of a beat. It is largest where the recoil builds up.
+    The usual error oscillates with the beat and averages out. The excess has one sign for about a
+    quarter of a beat: it counts once in that time, not once a frame.
     """
     step = float(np.median(np.diff(times)))
     lasting = max(0.25 / (flap_hz * step), 1.0) if flap_hz > 0 else 1.0
     out = np.zeros((len(times), 4, 4))
-    for i in range(3):
-        out[:, i, i] = lasting * np.interp(times, track.time_s, track.recoil_std[:, i]) ** 2
+    for i, variance in enumerate(track.recoil_std.T**2):
+        excess = np.maximum(variance - np.median(variance), 0.0)
+        out[:, i, i] = lasting * np.interp(times, track.time_s, excess)
     return out
 
 

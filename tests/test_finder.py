@@ -493,6 +493,21 @@ def test_a_frequency_stated_for_several_trials_at_once_says_less_of_the_clock() 
     assert std == pytest.approx(STATED_FREQUENCY_STD_SHARE, rel=0.01)
 
 
+@pytest.mark.parametrize(("source", "least"), [("flap_hz", 0.03 / 12**0.5), ("motor_log", 0.0)])
+def test_a_frequency_stated_of_a_part_of_a_trial_that_slows_down_says_less_of_the_clock(
+    source: str, least: float
+) -> None:
+    """Stated trial by trial, each of the last two thirds; the beat slows down by 3 % in 6 s. A log
+    has its own frequency over time.
+    """
+    series, beats = clock_series([0.012] * 9, source, [4.0 + 0.01 * i for i in range(9)])
+    long = [replace(one, times=np.linspace(0.0, 6.0, 60)) for one in series]
+    slower = {name: replace(beat, drift_per_s=-0.005) for name, beat in beats.items()}
+    found = np.array([s.evidence["clock_ratio"] for s in with_clock_measurement(long, slower)])
+    std = float(np.mean(found[:, 1])) / 3
+    assert std == pytest.approx(np.hypot(least, CLOCK_STD_SHARE / 3), rel=0.01)
+
+
 def test_a_wrong_clock_in_some_trials_is_measured_in_these_alone() -> None:
     """5 % in three of nine trials of three powers; the ratios of the others say nothing of it."""
     off = [-0.05, 0.001, -0.001] * 3

@@ -59,7 +59,7 @@ def with_clock_measurement(
     if wrong is not None:
         return _with_clock_of_part(series, [s.name for s in seen], ratio, own, wrong)
     within, between = within_between_group_variances(ratio, own**2, groups)
-    shared = between + (_stated_frequency_variance(seen, found) if stated else 0.0)
+    shared = between + _drift_variance(seen, found) + stated * STATED_FREQUENCY_STD_SHARE**2
     std = np.sqrt(CLOCK_STD_SHARE**2 + own**2 + within + len(ratio) * shared)
     evidence = {s.name: (float(r), float(d)) for s, r, d in zip(seen, ratio, std, strict=True)}
     name = "stated_ratio" if stated else "clock_ratio"
@@ -141,17 +141,17 @@ def within_between_group_variances(
     return max(total - own, 0.0), max(float(np.var(means, ddof=1)) - of_means, 0.0)
 
 
-def _stated_frequency_variance(
-    seen: Sequence[TrialSeries], found: Sequence[FlappingFrequency]
-) -> float:
-    """Variance of the ratio because a stated frequency is not that of the whole trial.
+def _drift_variance(seen: Sequence[TrialSeries], found: Sequence[FlappingFrequency]) -> float:
+    """Variance of the ratio because a frequency that no log shows is not that of the whole trial.
 
     A frequency that drifts through the range D in a trial passes the stated one at an unknown time,
-    so that the mean differs from it by D / 12^1/2 rms.
+    so that the mean differs from it by D / 12^1/2 rms. Whoever states it takes the same part of all
+    trials: the variance is common to them.
     """
     drift = np.nan_to_num([b.drift_per_s for b in found])
+    drift[[b.source == "motor_log" for b in found]] = 0.0
     ranges = drift * np.array([np.ptp(s.times) for s in seen])
-    return STATED_FREQUENCY_STD_SHARE**2 + float(np.mean(ranges**2)) / 12.0
+    return float(np.mean(ranges**2)) / 12.0
 
 
 def _stated_for_several(found: Sequence[FlappingFrequency]) -> bool:

@@ -2,7 +2,9 @@
 
 For each set of causes that a search has fitted to the end: by how much its log posterior exceeds
 that after a single round of noise and numbers (`MAX_LOG_ODDS_TO_REFIT`). And by how much the
-inclusion probabilities change if no set is left out of the posterior (`MAX_LOG_ODDS_KEPT`).
+inclusion probabilities change if no set is left out of the posterior (`MAX_LOG_ODDS_KEPT`), and by
+how much another fit of its discrepancy changes a set whose prior has not come to rest
+(`MAX_DISCREPANCY_ROUNDS`).
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from bluekoi.engine import CauseSearchProblem, posterior_over_sets, search_sets
 from bluekoi.engine.fitted_sets import FittedCauseSets
 from bluekoi.engine.own_noise import fit_own_noise
 from bluekoi.engine.refit import fit_set
-from bluekoi.engine.set_score import score_set
+from bluekoi.engine.set_score import refit_with_discrepancy, score_set
 from bluekoi.mismatch.find import SEARCH_RATE_HZ
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
@@ -29,13 +31,15 @@ from bluekoi.tuning import downsampled, fit_all_trials, trial_kernel
 @dataclass(frozen=True)
 class LimitEffects:
     """One study: log posterior that further rounds of a fit add (sets,), sets below the limit of
-    the posterior, and the largest change of an inclusion probability without that limit.
+    the posterior, the largest change of an inclusion probability without that limit, and changes of
+    the log posterior by another fit of the discrepancy where its prior is not at rest.
     """
 
     study: str
     round_gains: tuple[float, ...]
     sets_left_out: int
     probability_change: float
+    discrepancy_changes: tuple[float, ...] = ()
 
 
 def study_problem(study: Path, results: Path) -> tuple[CauseSearchProblem, dict[str, float]]:
@@ -58,7 +62,18 @@ def limit_effects(study: Path, results: Path) -> LimitEffects:
     change = max((abs(p - limited.inclusion.get(name, 0.0))
                   for name, p in all_sets.inclusion.items()), default=0.0)  # fmt: skip
     return LimitEffects(study.name, round_gains(visited, start),
-                        len(all_sets.sets) - len(limited.sets), change)  # fmt: skip
+                        len(all_sets.sets) - len(limited.sets), change,
+                        discrepancy_changes(visited))  # fmt: skip
+
+
+def discrepancy_changes(visited: FittedCauseSets) -> tuple[float, ...]:
+    """Changes of the log posterior by another fit of the discrepancy, of the sets fitted to the end
+    whose prior does not belong to the forces of the fit.
+    """
+    pairs = [(one, refit_with_discrepancy(visited.problem, one))
+             for one in (visited.sets[key] for key in visited.converged)]  # fmt: skip
+    return tuple(again.log_posterior - one.log_posterior for one, again in pairs
+                 if again is not one)  # fmt: skip
 
 
 def round_gains(visited: FittedCauseSets, start: Mapping[str, float]) -> tuple[float, ...]:
@@ -80,15 +95,19 @@ def limit_line(found: LimitEffects) -> str:
     return (
         f"{found.study}: {len(found.round_gains)} sets fitted to the end, further rounds add "
         f"{max(found.round_gains, default=0.0):.1f} at most; {found.sets_left_out} sets left out, "
-        f"probabilities change by {found.probability_change:.4f} without the limit"
+        f"probabilities change by {found.probability_change:.4f} without the limit; "
+        f"{len(found.discrepancy_changes)} sets whose discrepancy has not come to rest"
     )
 
 
 def limit_summary(found: Sequence[LimitEffects]) -> str:
     """A line on all studies."""
     gains = np.array([gain for one in found for gain in one.round_gains])
+    changes = np.array([change for one in found for change in one.discrepancy_changes])
     return (
         f"{len(found)} studies: {len(gains)} sets, further rounds add {np.median(gains):.1f} in "
         f"the median, {gains.max():.1f} at most; probabilities change by "
-        f"{max(one.probability_change for one in found):.4f} at most"
+        f"{max(one.probability_change for one in found):.4f} at most; the discrepancy of "
+        f"{len(changes)} has not come to rest, another fit changes their log posterior by "
+        f"{np.abs(changes).max(initial=0.0):.1f} at most"
     )

@@ -118,22 +118,19 @@ def filter_all(
     shared = _noise_arrays(kernel, noise)
     full = values_with_noise_switched_on(kernel, np.array(values).T, noise).T.copy()
     on = active_effects_by_row(kernel.system, full)
-    jobs = list(zip(series, full, on, strict=True))
-    found = threaded_map(lambda job: _filter_trial(kernel, job[0], job[1], job[2], shared), jobs)
+    jobs = list(zip(series, full, on, random_state_sizes(kernel, series), strict=True))
+    found = threaded_map(lambda job: _filter_trial(kernel, *job, shared=shared), jobs)
     return FilterResults(tuple(series), tuple(found))
 
 
 @dataclass(frozen=True)
 class _NoiseArrays:
-    """What one noise means for all trials: variance and memory of states, places of the random
-    states and of those that push, scales.
-    """
+    """What one noise means for all trials: variance and memory of states, places, scales."""
 
     noise: Noise
     variance: Float
     memory: Float
     random: np.ndarray
-    forces: np.ndarray
     difference: Float
     scales: Float
 
@@ -144,17 +141,15 @@ def _noise_arrays(kernel: CompiledSystem, noise: Noise) -> _NoiseArrays:
     slots = np.array(disturbance_slots(kernel)[: len(noise.disturbance)], dtype=int)
     variance[slots], memory[slots] = noise.disturbance**2, noise.tau
     scales = np.outer(noise.scale, noise.scale)
-    forces = np.array(disturbance_slots(kernel, acting=True), dtype=int)
-    return _NoiseArrays(
-        noise, variance, memory, slots, forces, np.full(count, STATE_DIFFERENCE), scales
-    )
+    return _NoiseArrays(noise, variance, memory, slots, np.full(count, STATE_DIFFERENCE), scales)
 
 
 def _filter_trial(
-    kernel: CompiledSystem, series: TrialSeries, values: Float, on: np.ndarray, shared: _NoiseArrays
-) -> FilteredTrial:
+    kernel: CompiledSystem, series: TrialSeries, values: Float, on: np.ndarray, sizes: Float, *,
+    shared: _NoiseArrays,
+) -> FilteredTrial:  # fmt: skip
     """One trial; values (parameters,) with the random parts switched on, on (effects,): those that
-    act.
+    act, sizes: a row of `random_state_sizes`.
     """
     n, s, o = len(series.times), len(kernel.system.all_states), len(kernel.system.observations)
     shapes = ((n, s, o), (n, o, o), (n, s, s), (n, s), (n, s), (n, s, s), (n, s, s), (n, o))
@@ -162,7 +157,7 @@ def _filter_trial(
         np.zeros, shapes
     )
     cov, variance = series.cov.copy(), shared.variance.copy()
-    variance[shared.forces] *= series.force_size**2
+    variance[shared.random] *= sizes[: len(shared.random)] ** 2
     cov[shared.random, shared.random] = variance[shared.random]
     step_s = kernel.system.longest_step_s(MAX_FILTER_STEP_S)
     log_likelihood = kernel.kalman(

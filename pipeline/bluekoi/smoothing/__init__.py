@@ -158,7 +158,7 @@ def _recoil_columns(
     C, states = H[at, :, 6:10], slice(6, 10)
     xy = np.einsum("npd,nd->np", C, move.x[at, states])
     variance = np.einsum("npd,nde,npe->np", C, move.P[at, states, states], C)
-    std = np.sqrt(np.column_stack([variance, turn.P[at, 3, 3]]))
+    std = np.sqrt(np.maximum(np.column_stack([variance, turn.P[at, 3, 3]]), 0.0))  # rounding
     return {"recoil": np.column_stack([xy, turn.x[at, 3]]), "recoil_std": std}
 
 

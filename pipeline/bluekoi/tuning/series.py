@@ -15,6 +15,10 @@ from .similar_robots import similar_state_std
 
 OUTLIER_SIGMA = 6.0
 SERVO_STD_RAD = 0.01  # ASSUME a servo error of 0.6 degrees, constant within a trial
+RECOIL_ERROR_BEATS = 0.25
+"""Beats for which an error of the recoil keeps its sign: an oscillation is on one side for half a
+beat, and its mean over longer blocks falls. Once a beat makes the true causes of 14 known studies
+less likely, by 13 in the median (docs/decisions/052)."""
 USUAL_FLAP_HZ = 3.5
 """Flapping frequency of the published robot at which `Noise.disturbance` states the forces."""
 INITIAL_STATE_STD = np.array([0.1, 0.1, 0.05, 0.05, 0.05, 0.3])  # m, m, rad, m/s, m/s, rad/s
@@ -115,11 +119,11 @@ def _recoil_covariance(times: Float, track: Track, flap_hz: float) -> Float:
     """Covariance (n, 4, 4) that the error of the recoil adds to a frame where it is larger than
     usual: mean motion and recoil are confused where the recoil builds up.
 
-    The usual error oscillates with the beat and averages out. The excess has one sign for about a
-    quarter of a beat: it counts once in that time, not once a frame.
+    The usual error oscillates with the beat and averages out. The excess keeps its sign for
+    `RECOIL_ERROR_BEATS`: it counts once in that time, not once a frame.
     """
     step = float(np.median(np.diff(times)))
-    lasting = max(0.25 / (flap_hz * step), 1.0) if flap_hz > 0 else 1.0
+    lasting = max(RECOIL_ERROR_BEATS / (flap_hz * step), 1.0) if flap_hz > 0 else 1.0
     out = np.zeros((len(times), 4, 4))
     for i, variance in enumerate(track.recoil_std.T**2):
         excess = np.maximum(variance - np.median(variance), 0.0)

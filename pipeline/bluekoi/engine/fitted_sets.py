@@ -55,11 +55,12 @@ class FittedCauseSets:
         refit: bool = False,
     ) -> ScoredCauseSet | None:
         """Fit a set, begun at another's values and noise, under its own noise; None where it runs
-        away. refit: also a set that has been fitted; its better fit is kept.
+        away or has more states than the filter. refit: also a set that has been fitted; its better
+        fit is kept.
         """
         key = frozenset(causes)
         before = self.sets.get(key)
-        if before is not None and not refit:
+        if not self.problem.can_be_filtered(key) or (before is not None and not refit):
             return before
         self.problem.progress(" + ".join(causes) or "baseline")
         known = {**near.fit.by_label(), **(start or {})}

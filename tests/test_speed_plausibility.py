@@ -92,9 +92,10 @@ def test_four_times_the_frame_rate_in_all_trials_is_reported_with_the_factor(tmp
     assert "clock_error" in warning
 
 
-def status_with_ratio(ratio=None, **swimming):
+def status_with_ratio(ratio=None, flap_hz=2.0, **swimming):
     agrees = ratio is None or abs(ratio - 1) < 0.01
-    return {"ok": True, "flapping": {"ratio": ratio, "agrees": agrees}, "swimming": swimming}
+    flapping = {"ratio": ratio, "flap_hz": flap_hz, "agrees": agrees}
+    return {"ok": True, "flapping": flapping, "swimming": swimming}
 
 
 def test_warnings_group_the_trials_that_share_a_doubt():
@@ -111,6 +112,27 @@ def test_warnings_group_the_trials_that_share_a_doubt():
         {"A": status_with_ratio(froude=0.2, strouhal=4.0), "B": status_with_ratio(froude=0.2)}
     )
     assert slow.startswith("trial A: a Strouhal number of 4 (plausible: 0.1 to 2). Check fps")
+
+
+def test_recordings_of_two_powers_that_are_exchanged_are_named_by_their_clocks():
+    statuses = {
+        "slow": status_with_ratio(2.5 / 2.0, flap_hz=2.0),
+        "fast": status_with_ratio(2.01 / 2.5, flap_hz=2.5),
+        "wrong fps": status_with_ratio(2.0, flap_hz=2.0),
+        "good": status_with_ratio(1.0, flap_hz=2.5),
+    }
+    exchanged, other = clock_and_length_warnings(statuses)
+    assert exchanged.startswith("trials slow and fast: in each one's video the tail beats as the")
+    assert other.startswith("trial wrong fps: the tail beats 2 times as fast")
+
+
+def test_a_trial_that_could_be_exchanged_with_two_others_is_in_no_pair():
+    statuses = {
+        "slow": status_with_ratio(1.25, flap_hz=2.0),
+        "fast": status_with_ratio(0.8, flap_hz=2.5),
+        "fast too": status_with_ratio(0.8, flap_hz=2.5),
+    }
+    assert not any("exchanged" in text for text in clock_and_length_warnings(statuses))
 
 
 @settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)

@@ -12,7 +12,9 @@ used, with a warning.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -73,7 +75,11 @@ def clock_and_length_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list
         i: f["video_hz"] for i, s in good.items()
         if (f := s.get("flapping")) and f.get("flap_hz") == 0 and not f["agrees"]
     }  # fmt: skip
+    pairs = exchanged_recordings(ratios, {i: good[i]["flapping"]["flap_hz"] for i in ratios})
+    for pair in pairs:
+        ratios = {i: ratio for i, ratio in ratios.items() if i not in pair}
     return [
+        *map(_exchanged_recordings_warning, pairs),
         *_clock_warnings(ratios, len(good)),
         *_stopped_motor_warnings(stopped, len(good)),
         *_logged_share_warnings(
@@ -81,6 +87,25 @@ def clock_and_length_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list
         ),
         *_implausible_swimming_warnings(others, len(good)),
     ]
+
+
+def exchanged_recordings(
+    ratios: Mapping[str, float], motor_hz: Mapping[str, float]
+) -> list[tuple[str, str]]:
+    """Pairs of trials in each of whose videos the tail beats as the motor of the other one does.
+
+    ratios: tail-beat frequency in the video over the motor's, of trials whose clocks disagree;
+    motor_hz: frequency of the motor. A trial that fits two others is in no pair.
+    """
+    pairs = [
+        (one, two) for one, two in combinations(ratios, 2)
+        if all(
+            abs(ratios[a] * motor_hz[a] / motor_hz[b] - 1) < CLOCK_RATIO_TOLERANCE
+            for a, b in ((one, two), (two, one))
+        )
+    ]  # fmt: skip
+    seen = Counter(name for pair in pairs for name in pair)
+    return [pair for pair in pairs if all(seen[name] == 1 for name in pair)]
 
 
 def tail_length_seen(positions: Positions) -> float:
@@ -132,6 +157,13 @@ def _clock_warnings(ratios: dict[str, float], of: int) -> Iterator[str]:
             f"motor does. Either fps is {value:.4g} times the true frame rate (clock_error), and "
             "speeds and rates are wrong by that factor, or the motor log or flap_hz is wrong."
         )
+
+
+def _exchanged_recordings_warning(pair: tuple[str, str]) -> str:
+    return (
+        f"trials {' and '.join(pair)}: in each one's video the tail beats as the motor of the "
+        "other does. Are their videos or keypoint files exchanged, or their rows in trials.csv?"
+    )
 
 
 def _stopped_motor_warnings(beats_hz: Mapping[str, float], of: int) -> Iterator[str]:

@@ -39,6 +39,8 @@ ANGLES_DEG = np.arange(10.0, 61.0, 2.5)
 LENGTHS_M = np.arange(0.04, 0.2401, 0.01)
 TIMES_S = np.arange(151) / 30.0
 UNTESTED_COLOUR = "#e6eaed"
+MEASURED_RADII_SHOWN = 1.8
+"""Radius at which panel C ends, over the largest one measured."""
 
 
 def render_figure(campaign: Campaign) -> Figure:
@@ -130,6 +132,7 @@ def _draw_radius_over_length(
         )
     seen = [m for m in groups.radius_means(campaign) if m.angle_deg == angle]
     _draw_measured_means(axes, seen, [m.head_length_m for m in seen], styles)
+    _limit_to_measured_radii(axes, seen)
     _shade_untested(axes, [m.head_length_m for m in seen], (LENGTHS_M[0], LENGTHS_M[-1]))
     axes.set(xlabel="head length (m)", ylabel="turn radius (m)")
     axes.set_xticks(np.arange(0.04, 0.25, 0.04))
@@ -147,6 +150,15 @@ def _draw_measured_means(
     for x, mean in zip(at, means, strict=True):
         place = x + step * (list(styles).index(mean.power_pct) - 1)
         groups.draw_mean(axes, place, mean, styles[mean.power_pct], size=7)
+
+
+def _limit_to_measured_radii(axes: Axes, seen: list[ConditionMean]) -> None:
+    """End the axis at a multiple of the measured radii: the model's grows without bound as the
+    head becomes short.
+    """
+    if seen:
+        highest = MEASURED_RADII_SHOWN * max(m.value + m.std for m in seen)
+        axes.set_ylim(top=min(axes.get_ylim()[1], highest))
 
 
 def _shade_untested(axes: Axes, tested: list[float], span: tuple[float, float]) -> None:

@@ -30,7 +30,8 @@ FIGURE_CAPTION = (
     "Force missing from the baseline model over the variables that explain most of it in "
     "conditions left out of the regression; percentages: share of all missing force, of the three "
     "channels together. Small dots: frames, by power; black: means with "
-    "standard deviations over trials; blue: force of the identified causes in the same motion. The "
+    "standard deviations over trials; blue: force of the identified causes, if any, in the same "
+    "motion. The "
     "first second of each trial, where the smoother has no resolution, is omitted. Without a "
     "significant dependence, each force is shown over the variable of the commonest cause."
 )
@@ -61,7 +62,9 @@ def render_figure(campaign: Campaign) -> Figure:
         _draw_panel(axes, campaign, (channel, name), pieces, styles)
         share = shares.get((channel, name))
         axes.set_title(
-            FORCE_NAMES[channel] + (f": explains {100 * share:.0f} % (held out)" if share else "")
+            f"{FORCE_NAMES[channel]}: explains {100 * share:.0f} % (held out)"
+            if share
+            else f"{FORCE_NAMES[channel]}: no further share"
         )
     handles, labels = figure.axes[0].get_legend_handles_labels()
     if handles:

@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from bluekoi.cli import main
 from bluekoi.errors import InputError
 from bluekoi.explain import Parameter, Trial, explain, load_model
+from bluekoi.explain.comparison import HeldOutErrors, unconfirmed_sentence
 from bluekoi.explain.fit_quality import MAX_ERROR_OVER_STATED
 from bluekoi.explain.preparation import prepare_cause_search, with_correlation_over_a_frame
 from bluekoi.explain.results_json import verdict_sentence
@@ -224,3 +225,22 @@ def test_the_one_trial_in_another_unit_is_named():
     first, *others = cart_trials()
     with pytest.raises(InputError, match=r"trial r0: position: .* Check the unit"):
         explain(MODEL, [*with_unit_factor([first], 1000.0), *others])
+
+
+@pytest.mark.parametrize(
+    ("extended", "said"),
+    [
+        ({"path_rmse": 0.2, "x_rmse": 0.1}, True),
+        ({"path_rmse": 0.1, "x_rmse": 0.9}, False),
+        ({"path_rmse": float("nan"), "x_rmse": 0.9}, False),
+    ],
+)
+def test_named_causes_that_leave_the_held_out_path_no_better_are_said_to_be_unconfirmed(
+    extended, said
+):
+    base = {"path_rmse": 0.15, "x_rmse": 0.2}
+    held = HeldOutErrors(("T",), base, extended, base, ("trajectories",) * 2, 5.0)
+    text = unconfirmed_sentence(held)
+    assert bool(text) == said
+    if said:
+        assert "do not confirm the named causes: path_rmse 0.2 with them and 0.15 without" in text

@@ -37,6 +37,7 @@ from .comparison import (
     compare_held_out,
     errors_by_better_criterion,
     fit_by_criterion,
+    unconfirmed_sentence,
 )
 from .diagnosis import divergence_error, reporting_compiler_errors
 from .feedback import feedback_sentences
@@ -154,6 +155,8 @@ def explain(
     errors = compare_held_out(model, problem, bare.model, final, test)
     base = fitted_numbers(problem.kernel, bare.model)
     warnings = _cause_search_warnings(ready, whole, best, bare, own=own, base=base)
+    if any(model.by_name[c.name].kind != "measurement" for c in named):
+        warnings += filter(None, [unconfirmed_sentence(errors)])
     return CauseSearchResult(
         ready, found, verdict_of(model, named, chosen.unexplained), tuple(named), gains,
         chosen.unexplained,

@@ -68,6 +68,20 @@ class HeldOutErrors:
     stretch_s: float
 
 
+def unconfirmed_sentence(held: HeldOutErrors) -> str:
+    """A sentence where the named causes make no error smaller, or no text.
+
+    The error of the path counts, where the model has one, else that of every observation.
+    """
+    names = [n for n in held.baseline if n == "path_rmse"] or list(held.baseline)
+    if not names or not all(held.extended[n] >= held.baseline[n] for n in names):
+        return ""
+    errors = ", ".join(
+        f"{n} {held.extended[n]:.3g} with them and {held.baseline[n]:.3g} without" for n in names
+    )
+    return f"Conditions left out of the fit do not confirm the named causes: {errors}."
+
+
 def fit_by_both_criteria(problem: CauseSearchProblem, model: FittedCauseSet) -> list[CriterionFit]:
     """A set fitted by prediction errors, and to whole trajectories where that fit ends well."""
     out = [CriterionFit(model, model.fit, PREDICTION_ERRORS)]

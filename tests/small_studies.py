@@ -14,7 +14,7 @@ from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.data import Positions
 from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial
 from bluekoi.study import Study, Trial
-from bluekoi.synthetic.design import StudyDesign, numbered_plans
+from bluekoi.synthetic.design import StudyDesign, full_factorial_trial_plans
 from bluekoi.synthetic.laws import Coefficients, GroundTruthPhysics, published_model_tank
 from validation.tracking_noise import keypoint_study
 
@@ -36,7 +36,7 @@ def published_model_design(seed: int = 12, *, table_1: bool = False) -> StudyDes
     With the common coefficients the radii do not depend on power (docs/paper.md, Audit: Power).
     """
     settings = ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12), (45.0, 0.175))
-    plans = numbered_plans((50, 75, 100), settings)
+    plans = full_factorial_trial_plans((50, 75, 100), settings)
     at = TABLE_1 if table_1 else {}
     name = "table_1" if table_1 else "bare"
     return StudyDesign(

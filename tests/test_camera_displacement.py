@@ -20,6 +20,8 @@ from bluekoi.camera.error_displacement import camera_error_constants
 from bluekoi.camera.resection import pool_rectangle
 from bluekoi.errors import InputError
 from bluekoi.measurement import lens_error, scale_error, uncorrected_refraction
+from bluekoi.model import trial_system
+from bluekoi.model.simulation import constants_of_robot_trial
 from bluekoi.observation import camera_error_inputs
 from bluekoi.study import StudySettings
 from paper_robot import PAPER_SETUP
@@ -152,6 +154,35 @@ def test_refraction_left_out_and_a_wrong_depth_move_places_as_their_candidate_sa
         )
         < 0.03
     )
+
+
+@pytest.mark.parametrize("index", [WATER, 1.0])
+@pytest.mark.parametrize("depth_m", [0.0, 0.02, DEPTH_M, 0.3])
+def test_refraction_moves_no_keypoint_between_surface_and_floor_by_more_than_its_range(
+    index, depth_m
+):
+    """The range ends where keypoints lie on the floor, or above the surface by 5 % of the body."""
+    low, high = camera_error_constants(stated_setup(index=index)).inward_shift_range
+    near = np.array([1.4, 0.75]) + 0.05 * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
+    places = np.column_stack([near, np.full(len(near), -depth_m)])
+    seen = map_to_pool(tilted_camera(index), pool_to_pixels(tilted_camera(), places), DEPTH_M)
+    spread = np.linalg.norm(seen - seen.mean(axis=0), axis=1).mean() / 0.05
+    assert low <= 1.0 - spread <= high
+    assert low < 0 < high
+    if depth_m == 0.3:  # the floor of this pool
+        assert 1.0 - spread == pytest.approx(high, rel=0.03)
+
+
+def test_the_search_for_refraction_keeps_within_what_surface_and_floor_allow():
+    setup = stated_setup()
+    constants = constants_of_robot_trial(setup, 0.12, view=camera_error_inputs(setup))
+    strength = trial_system(constants).effect("uncorrected_refraction").parameters[0]
+    assert (strength.lower, strength.upper) == pytest.approx(
+        camera_error_constants(setup).inward_shift_range
+    )
+    unknown = constants_of_robot_trial(PAPER_SETUP, 0.12, view=camera_error_inputs(PAPER_SETUP))
+    strength = trial_system(unknown).effect("uncorrected_refraction").parameters[0]
+    assert (strength.lower, strength.upper) == (-0.05, 0.05)
 
 
 def test_a_homography_is_taken_for_a_camera_over_the_middle():

@@ -13,7 +13,7 @@ import yaml
 from exact_campaign import GEOMETRY_JSON, exact_campaign
 
 from bluekoi.camera import pool_camera
-from bluekoi.camera.calibration_uncertainty import calibration_covariance_at_places
+from bluekoi.camera.calibration_uncertainty import calibration_covariance_at_points
 from bluekoi.camera.error_displacement import camera_error_constants
 from bluekoi.campaign import Campaign, load_campaign
 from bluekoi.data import read_track
@@ -222,7 +222,7 @@ def test_stated_deviations_of_positions_hold_the_calibrations(detected_study):
     track = read_track(ResultPaths(results).track(SMALL_STUDY_TRIALS[0]))
     camera = pool_camera(load_study(study).setup, None)
     xy = np.column_stack([track.x_m, track.y_m])
-    cov = calibration_covariance_at_places(camera, xy, 0.04)
+    cov = calibration_covariance_at_points(camera, xy, 0.04)
     assert (track.x_m_std**2 > cov[:, 0, 0]).all()
     assert (track.y_m_std**2 > cov[:, 1, 1]).all()
     assert (cov[:, 0, 0] > 0).all()

@@ -10,7 +10,7 @@ import pytest
 from bluekoi.fitting import FreeParameter, missing_force
 from bluekoi.integrate import compile_system
 from bluekoi.mismatch.laws import (
-    TRIAL_PARTS,
+    PARTS_PER_TRIAL,
     VARIABLES_OF_EFFECT,
     cause_force_curves,
     equal_count_bins,
@@ -85,11 +85,11 @@ def test_partial_residuals_of_a_damping_that_the_trials_do_not_have_show_none(
     loose = replace(found.noise, disturbance=10 * found.noise.disturbance)
     points = partial_residuals(*damped_model, laws=damping_laws, noise=loose)["linear_yaw_damping"]
     assert points.keys() == {one.name for one in series}
-    assert {len(one["x"]) for one in points.values()} == {TRIAL_PARTS}
+    assert {len(one["x"]) for one in points.values()} == {PARTS_PER_TRIAL}
     # At the ends of a trial the smoother knows less and draws forces to zero.
     x, y = (np.concatenate([one[k][2:-2] for one in points.values()]) for k in "xy")
     turning = np.abs(x) > 0.5
-    assert turning.sum() == 2 * (TRIAL_PARTS - 4)
+    assert turning.sum() == 2 * (PARTS_PER_TRIAL - 4)
     assert np.abs(y[turning]).max() < 0.3 * N_R * np.abs(x[turning]).min()
 
 

@@ -8,7 +8,11 @@ import numpy as np
 import pytest
 
 from bluekoi.engine import CauseSearchProblem, FittedCauseSet, expand_likelihood, fit_set
-from bluekoi.engine.evidence import log_evidence, log_evidence_with_shares, most_probable_shares
+from bluekoi.engine.evidence import (
+    log_evidence,
+    log_evidence_at_discrepancy_shares,
+    most_probable_shares,
+)
 from bluekoi.engine.expansion import LikelihoodExpansion
 from bluekoi.engine.forces import rms_force_by_cause
 from bluekoi.engine.set_columns import (
@@ -91,7 +95,7 @@ def test_the_evidence_is_the_mean_over_the_shares_that_a_formula_may_be_wrong_by
     friction_columns: tuple[LikelihoodExpansion, CauseSetColumns],
 ) -> None:
     expansion, lay = friction_columns
-    single = [log_evidence_with_shares(expansion, lay, {"coulomb_friction": share})
+    single = [log_evidence_at_discrepancy_shares(expansion, lay, {"coulomb_friction": share})
               for share in PRIOR_DISCREPANCY_SHARES]  # fmt: skip
     mean = np.log(np.mean(np.exp(np.array(single) - max(single)))) + max(single)
     assert log_evidence(expansion, lay) == pytest.approx(mean)
@@ -104,7 +108,7 @@ def test_an_exact_formula_is_not_charged_for_forces_that_it_does_not_leave(
     against the evidence without one.
     """
     expansion, lay = friction_columns
-    none = log_evidence_with_shares(expansion, lay, {"coulomb_friction": 1e-6})
+    none = log_evidence_at_discrepancy_shares(expansion, lay, {"coulomb_friction": 1e-6})
     assert log_evidence(expansion, lay) > none - np.log(len(PRIOR_DISCREPANCY_SHARES)) - 0.5
 
 

@@ -33,7 +33,7 @@ from bluekoi.engine import (
 from bluekoi.engine.calibration import calibrated_probability, calibrated_shares
 from bluekoi.engine.collinear_terms import collinear_terms
 from bluekoi.engine.evidence import laplace_log_evidence, log_evidence
-from bluekoi.engine.expansion import expand_in_all_forms, likely_strengths
+from bluekoi.engine.expansion import expand_likelihood_in_all_forms, likely_strengths
 from bluekoi.engine.own_noise import (
     MIN_ROUND_GAIN_LOG_LIK,
     SMALL_FORCE_CORRELATION_TIME_S,
@@ -94,6 +94,42 @@ def test_a_strength_of_one_sign_has_half_the_prior(z: float) -> None:
     found = laplace_log_evidence(np.array([[H]]), np.array([z * np.sqrt(H)]), lay)
     exact = exact_log_bayes_factor(H, z * np.sqrt(H), size, lower=0.0)
     assert found == pytest.approx(exact, abs=0.1)
+
+
+@pytest.mark.parametrize("slope", [0.0, 3.0, 40.0, 400.0])
+def test_a_strength_held_at_its_bound_has_the_width_that_the_likelihood_has_inside(
+    slope: float,
+) -> None:
+    """The harder the trials push beyond the bound, the smaller is the part of the prior near it."""
+    H, size, bound = 400.0, 1.0, 0.2
+    lay = replace(one_strength(size), at=np.array([bound]), held=np.array([True]))
+    found = laplace_log_evidence(np.array([[H]]), np.array([slope]), lay)
+
+    def likelihood_and_prior(b: float) -> float:
+        inside = bound - b
+        density = 1.0 / (np.pi * size * (1.0 + (b / size) ** 2))
+        return float(np.exp(-slope * inside - 0.5 * H * inside**2) * density)
+
+    exact = float(np.log(quad(likelihood_and_prior, -bound, bound, limit=200)[0]))
+    assert found == pytest.approx(exact, abs=0.05)
+
+
+def test_a_form_held_at_its_bound_counts_by_its_prior_and_the_width_inside() -> None:
+    """Normal prior of deviation 0.5 that the likelihood contains; the form is free otherwise."""
+    H, slope, bound = 30.0, 5.0, 1.0
+    lay = replace(
+        one_strength(1.0),
+        columns=np.array([0, 1]), precision=np.array([1.0, 4.0]),
+        gaussian=np.array([False, True]), included=np.array([False, True]),
+        at=np.array([0.5, 0.0]), held=np.array([False, True]),
+    )  # fmt: skip
+    found = laplace_log_evidence(np.diag([100.0, H]), np.array([0.0, slope]), lay)
+    without = laplace_log_evidence(
+        np.array([[100.0]]), np.zeros(1), replace(one_strength(1.0), at=np.array([0.5]))
+    )
+    inside = quad(lambda t: np.exp(-slope * t - 0.5 * H * t**2), 0.0, 2.0 * bound)[0]
+    exact = np.log(2.0 / np.sqrt(2.0 * np.pi) * inside)
+    assert found - without == pytest.approx(float(exact), abs=0.01)
 
 
 def test_a_cause_that_no_trial_informs_on_neither_gains_nor_loses() -> None:
@@ -559,7 +595,7 @@ def test_a_residual_term_collinear_with_a_cause_is_no_candidate_of_its_own() -> 
         replace(force, **residual), replace(twin, **residual)),
     )  # fmt: skip
     bare = fit_set(problem, (), problem.noise, {})
-    assert collinear_terms(problem, *expand_in_all_forms(problem, bare)) == {"copy"}
+    assert collinear_terms(problem, *expand_likelihood_in_all_forms(problem, bare)) == {"copy"}
     visited = search_sets(problem)
     assert visited.best.causes == ("quadratic_drag",)
     assert not any("copy" in key for key in visited.sets)

@@ -35,7 +35,7 @@ from bluekoi.figures.drawing.missing_force import (
 )
 from bluekoi.figures.drawing.model_sweeps import (
     fits_at_tested_powers,
-    radii_over_angle,
+    turn_radii_over_head_angle,
     turn_radius,
     with_extrapolated_powers,
 )
@@ -241,7 +241,7 @@ def test_fig6_draws_the_model_that_was_tuned(complete_campaign):
         head_angle_rad=np.radians(30),
         flap_hz=PUBLISHED_FLAP_HZ[100],
     )[1]
-    assert radii_over_angle(
+    assert turn_radii_over_head_angle(
         complete_campaign, fits_at_tested_powers(complete_campaign)[100.0], 0.12, [30.0]
     ).best[0] == pytest.approx(expected)
     panel = figures.draw("fig6", complete_campaign).axes[1]

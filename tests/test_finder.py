@@ -32,7 +32,7 @@ from bluekoi.mismatch import (
     find_mismatch,
     trial_indices_by_fold,
 )
-from bluekoi.mismatch.camera_displacement import detect_displacements, with_displacements
+from bluekoi.mismatch.camera_displacement import detect_displacements, with_displacement_constants
 from bluekoi.mismatch.drift import fisher_p_value, trial_with_camera_drift
 from bluekoi.mismatch.find import verdict_of
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen_frames, trial_segments
@@ -56,7 +56,7 @@ from bluekoi.stages.mismatch import (
     with_nose_distances,
     with_rigid_length_measurement,
 )
-from bluekoi.stages.motor_measurements import with_frequency_drift, with_lost_time
+from bluekoi.stages.motor_measurements import with_frequency_drift, with_spin_up_time_measurement
 from bluekoi.study import Study
 from bluekoi.study.data_split import held_out_trials
 from bluekoi.tuning import downsampled, fit_all_trials, trial_series
@@ -194,7 +194,7 @@ def test_displacements_are_found_where_and_when_they_are(
     assert found[0].time_s == pytest.approx(few[2].times[len(few[2].times) // 2], abs=0.11)
     assert found[0].size_m == pytest.approx([-0.005, 0.006], abs=0.002)
     slot = kernel.system.constants.index("t_shift")
-    displaced = [s.constants[slot] < 1e3 for s in with_displacements(kernel, few, found)]
+    displaced = [s.constants[slot] < 1e3 for s in with_displacement_constants(kernel, few, found)]
     assert displaced == [k == 2 for k in range(len(few))]
 
 
@@ -576,12 +576,12 @@ def test_the_time_lost_by_motor_logs_is_one_measurement_shared_by_the_trials() -
     series = bare_series(8)
     beats = {s.name: FlappingFrequency(4.0, 0.0, "motor_log", lost_time_s=0.07 + 0.02 * (i % 2))
              for i, s in enumerate(series)}  # fmt: skip
-    shown = with_lost_time(series, beats, fitted=8)
+    shown = with_spin_up_time_measurement(series, beats, fitted=8)
     value, std = np.array([s.evidence["lost_time"] for s in shown]).T
     assert value == pytest.approx(0.08)
     assert np.sum(std**-2.0) ** -0.5 == pytest.approx(np.hypot(0.2 * 0.08, 0.005), rel=0.05)
     without = {s.name: FlappingFrequency(4.0, 0.0, "flap_hz") for s in series}
-    assert with_lost_time(series, without, fitted=8) == series
+    assert with_spin_up_time_measurement(series, without, fitted=8) == series
 
 
 @pytest.mark.parametrize(("source", "name"), [

@@ -8,7 +8,7 @@ import pytest
 
 from bluekoi.data import Frame
 from bluekoi.keypoints.outline.camera_motion import (
-    camera_remarks,
+    camera_motion_remarks,
     corner_shifts,
     corner_shifts_of_camera_motion,
 )
@@ -54,7 +54,7 @@ def rotation_and_shift(degrees: float, shift: tuple[float, float] = (0.0, 0.0)) 
 
 @pytest.mark.parametrize("noise", [0.5, 3.0, 8.0])
 def test_a_still_camera_is_not_said_to_move(noise):
-    assert camera_remarks(noisy_frames([pool_picture()] * 6, noise), make_plane()) == ()
+    assert camera_motion_remarks(noisy_frames([pool_picture()] * 6, noise), make_plane()) == ()
 
 
 def test_shifts_are_found_to_a_tenth_of_a_pixel():
@@ -65,7 +65,7 @@ def test_shifts_are_found_to_a_tenth_of_a_pixel():
 
 @pytest.mark.parametrize("move", [rotation_and_shift(0.0, (1.5, 0.5)), rotation_and_shift(0.4)])
 def test_a_sudden_motion_is_reported_with_its_time(move):
-    reported = camera_remarks(
+    reported = camera_motion_remarks(
         noisy_frames([pool_picture()] * 3 + [pool_picture(move)] * 3), make_plane()
     )
     assert len(reported) == 1
@@ -74,7 +74,7 @@ def test_a_sudden_motion_is_reported_with_its_time(move):
 
 
 def test_a_slow_drift_is_reported_as_stabilisation():
-    reported = camera_remarks(
+    reported = camera_motion_remarks(
         noisy_frames([pool_picture(rotation_and_shift(0.0, (0.45 * i, 0.0))) for i in range(6)]),
         make_plane(),
     )

@@ -112,7 +112,7 @@ def test_plane_agrees_with_independent_optics():
     m, px = (truth[k].reshape(-1, 2) for k in ("keypoints_m", "keypoints_px"))
     length_m = design.tank.robot.body_length_m
     assert np.abs(plane.pixels(m / length_m) - px).max() < 0.06
-    assert np.abs(plane.body_lengths(px) * length_m - m).max() < 2e-4
+    assert np.abs(plane.pixels_to_body_lengths(px) * length_m - m).max() < 2e-4
 
 
 @pytest.mark.parametrize("lens", ["pinhole", "fisheye"])
@@ -130,7 +130,7 @@ def test_the_plane_is_as_near_as_it_says_whatever_the_lens(lens):
     )
     length_m = setup.robot.body_length_m
     assert np.abs(plane.pixels(places / length_m) - seen).max() < 0.06
-    assert np.abs(plane.body_lengths(seen) * length_m - places).max() < 2e-4
+    assert np.abs(plane.pixels_to_body_lengths(seen) * length_m - places).max() < 2e-4
 
 
 def dark_bar_picture() -> tuple[np.ndarray, np.ndarray]:

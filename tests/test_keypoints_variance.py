@@ -7,9 +7,9 @@ import pytest
 
 from bluekoi.keypoints.outline.variance import (
     covariance_kernels,
+    frame_quadratic_forms,
     kernel_variance_components,
     mean_covariance,
-    variance_statistics,
 )
 
 LENGTH_M = 0.33
@@ -48,7 +48,7 @@ def simulated_frames(variance: tuple[float, ...], rng: np.random.Generator, coun
         change = np.linalg.solve(normal, slope.T @ (weight * e))
         errors.append(change)
         left = np.where(weight > 0, e - slope @ change, np.nan)
-        reported.append(variance_statistics((left, weight, slope), 0.0, PRIOR_PRECISION, known))
+        reported.append(frame_quadratic_forms((left, weight, slope), 0.0, PRIOR_PRECISION, known))
     return reported, np.array(errors)
 
 
@@ -72,7 +72,7 @@ def test_the_algebra_is_that_of_whole_matrices():
     rng = np.random.default_rng(1)
     seen = rng.random(len(points)) > 0.2
     weight, left = np.where(seen, 0.7, 0.0), np.where(seen, rng.normal(0, 0.1, len(points)), np.nan)
-    reported = variance_statistics((left, weight, slope), 0.4, PRIOR_PRECISION, known)
+    reported = frame_quadratic_forms((left, weight, slope), 0.4, PRIOR_PRECISION, known)
     c, s = np.cos(0.4), np.sin(0.4)
     body = slope.copy()
     body[:, 0], body[:, 1] = c * slope[:, 0] + s * slope[:, 1], c * slope[:, 1] - s * slope[:, 0]

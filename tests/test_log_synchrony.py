@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bluekoi.motor.log_synchrony import lags_out_of_step, log_synchrony_warnings
+from bluekoi.motor.log_synchrony import lag_deviations_from_majority, log_synchrony_warnings
 from bluekoi.study import Trial
 
 
@@ -21,25 +21,25 @@ def status(lag_rad, **other):
 def test_one_lag_that_differs_from_the_others_is_out_of_step(off):
     lag = np.array([2.06, 2.07, 2.06 + off, 2.05, 2.0, 2.1])
     hz = np.array([2.35, 2.36, 2.34, 5.8, 5.8, 5.81])
-    found = lags_out_of_step(hz, lag)
+    found = lag_deviations_from_majority(hz, lag)
     assert np.flatnonzero(found).tolist() == [2]
     assert found[2] == pytest.approx(off, abs=0.05)
 
 
 def test_lags_about_half_a_turn_are_alike_on_both_sides_of_it():
     lag = np.array([3.1, -3.1, 3.13, -3.05])
-    assert not lags_out_of_step(np.full(4, 2.0), lag).any()
+    assert not lag_deviations_from_majority(np.full(4, 2.0), lag).any()
 
 
 def test_trials_of_one_power_that_agree_have_a_common_delay():
     delay_s, hz = 0.1, np.array([2.35, 2.35, 2.35, 2.35, 5.8, 5.8])
     lag = np.angle(np.exp(1j * (2.0 + 2 * np.pi * delay_s * hz)))
-    assert not lags_out_of_step(hz, lag).any()
+    assert not lag_deviations_from_majority(hz, lag).any()
 
 
 @pytest.mark.parametrize("lag", [[0.0, 2.0], [0.0, 2.0, -2.0], [0.0, 0.1, 2.0, 2.1], []])
 def test_without_a_majority_no_trial_is_accused(lag):
-    assert not lags_out_of_step(np.full(len(lag), 2.35), np.array(lag)).any()
+    assert not lag_deviations_from_majority(np.full(len(lag), 2.35), np.array(lag)).any()
 
 
 def test_the_trial_is_named_with_the_time_and_the_cure():

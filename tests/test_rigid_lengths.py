@@ -19,7 +19,7 @@ from bluekoi.files import to_json_types
 from bluekoi.fitting import FreeParameter, SharedMeasurement, TrialSeries
 from bluekoi.fitting.side_measurements import side_measurement_terms
 from bluekoi.integrate import compile_system, elementwise
-from bluekoi.mismatch.rigid_lengths import effects_that_change_lengths, length_measurement
+from bluekoi.mismatch.rigid_lengths import effects_that_change_lengths, rigid_length_measurement
 from bluekoi.model import two_plate_system
 
 SYSTEM = two_plate_system()
@@ -95,7 +95,7 @@ def lengths_with_error(
 
 
 def length_measurement_of(distances: RigidDistances, *, trials: int = 16) -> SharedMeasurement:
-    found = length_measurement(
+    found = rigid_length_measurement(
         SYSTEM, VIEW_CONSTANTS, window_means(distances), trials=trials, depth_given=True
     )
     assert found is not None
@@ -177,7 +177,7 @@ def test_effects_whose_displacement_varies_over_the_picture_stretch_lengths() ->
 
 def test_few_lengths_are_no_measurement() -> None:
     few = simulated_lengths(np.random.default_rng(1), trials=1, frames=40)
-    found = length_measurement(
+    found = rigid_length_measurement(
         SYSTEM, VIEW_CONSTANTS, window_means(few), trials=1, depth_given=True
     )
     assert found is None

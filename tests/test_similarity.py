@@ -9,7 +9,7 @@ import pytest
 
 from bluekoi.fitting import TrialSeries
 from bluekoi.integrate import LANES, Effect, System, compile_system
-from bluekoi.integrate.batch import in_lanes, simulate_batch
+from bluekoi.integrate.batch import repeat_over_lanes, simulate_batch
 from bluekoi.model import TABLE_1, RobotUnits, constants_of_robot_trial, two_plate_system
 from bluekoi.model.similarity import robot_units, unit_dimensions
 from bluekoi.observation import CameraErrorInputs
@@ -69,7 +69,7 @@ def observed_path(system: System, effect: Effect, units: RobotUnits) -> np.ndarr
     inputs = np.tile([0.6, 4.0 / units.time], (1, len(times), 1))
     constants = similar_constants(trial_constants(), units)
     seen, _ = simulate_batch(
-        compile_system(system), state, in_lanes(values[None]), in_lanes(constants[None]),
+        compile_system(system), state, *(repeat_over_lanes(v[None]) for v in (values, constants)),
         times=times[None], inputs=inputs,
     )  # fmt: skip
     return seen[0, :, :, 0] / [units.length, units.length, 1.0, 1.0]

@@ -9,7 +9,7 @@ import pytest
 
 from bluekoi.data import Pose
 from bluekoi.smoothing import smooth_pose, smooth_with_noise_ratio
-from bluekoi.smoothing.gaps import index_ranges_of_true, with_calibrated_gaps
+from bluekoi.smoothing.gaps import index_ranges_of_true, with_calibrated_gap_covariance
 from bluekoi.smoothing.kalman_numba import compiled_filter_and_smooth
 from bluekoi.smoothing.linear_gaussian import LinearGaussianModel
 from exact_motions import CameraConditions, circle, frame_times, observed_pose, random_turn
@@ -120,7 +120,7 @@ def test_the_variance_over_a_gap_becomes_that_of_the_motion(std):
     for seed in range(5):
         chain = random_walk_model(std, np.random.default_rng([53, seed]))
         state = compiled_filter_and_smooth(chain, used)
-        calibrated = with_calibrated_gaps(chain, used, state, 1)
+        calibrated = with_calibrated_gap_covariance(chain, used, state, 1)
         outside = np.arange(400) // 10 != 10
         assert calibrated.P[outside] == pytest.approx(state.P[outside])
         ratios.append(calibrated.P[105, 0, 0] / state.P[105, 0, 0])

@@ -16,8 +16,8 @@ from bluekoi.motor import trial_flapping
 from bluekoi.motor.swimming_plausibility import (
     PLAUSIBLE_RANGES,
     clock_and_length_warnings,
-    implausible_numbers,
-    swimming_numbers,
+    dimensionless_swimming_numbers,
+    implausible_numbers_text,
     tail_warnings,
 )
 from bluekoi.pose import rigid_pose
@@ -47,12 +47,12 @@ def analyse_trial(study, trial, positions):
     if wrong := plausibility_findings(study, trial, positions, pose):
         raise InputError(wrong)
     steady = steady_state(smooth_pose(pose, flapping.flap_hz), flapping, trial.head_angle_rad)
-    return steady, swimming_numbers(steady, flapping, positions, study.setup.robot)
+    return steady, dimensionless_swimming_numbers(steady, flapping, positions, study.setup.robot)
 
 
 def test_the_small_study_swims_plausibly(mapped_study):
     _, numbers = analyse_trial(*mapped_study)
-    assert implausible_numbers([numbers]) == ""
+    assert implausible_numbers_text([numbers]) == ""
     assert numbers["strouhal"] == pytest.approx(0.7, abs=0.2)
 
 
@@ -61,7 +61,7 @@ def test_a_clock_several_times_too_fast_is_noticed_without_a_motor_log(mapped_st
     study, trial, positions = mapped_study
     bare = trial.model_copy(update={"motor_log": None, "flap_hz": None})
     _, numbers = analyse_trial(study, bare, replace(positions, time_s=positions.time_s / factor))
-    assert "Froude number" in implausible_numbers([numbers])
+    assert "Froude number" in implausible_numbers_text([numbers])
 
 
 def test_strouhal_number_and_stride_from_the_video_do_not_depend_on_the_clock(mapped_study):

@@ -15,6 +15,7 @@ from exact_campaign import exact_campaign
 
 from bluekoi.camera import pool_camera
 from bluekoi.camera.length_warnings import MIN_LENGTH_ERROR_SHARE, length_warnings
+from bluekoi.campaign import Campaign
 from bluekoi.cli import main
 from bluekoi.data import FlappingFrequency, Pose, SteadyState, Track
 from bluekoi.data.majority import deviations_from_majority
@@ -31,11 +32,12 @@ from bluekoi.pose import rigid_pose
 from bluekoi.pose.plausibility import checked_rigid_pose, first_jump, plausibility_findings
 from bluekoi.pose.trial_comparison import comparison_warnings
 from bluekoi.preparation.input_check import check_files, file_findings
+from bluekoi.stages.contradicted_trials import contradicted_trials, contradiction_warning
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.head_angle_sign import head_angle_sign_finding
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.tracks import _with_clock_remark, tracks
-from bluekoi.stages.tuning import campaign_series
+from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study, missing_files_of_trial
 from bluekoi.study.setup_warnings import inertia_warnings, setup_warnings
 from bluekoi.trial_warnings import trial_warnings, unchecked_clock_notes
@@ -208,6 +210,58 @@ def test_trials_that_agree_on_a_wrong_clock_stay_in_the_fits():
     statuses[odd] = {"ok": True, "flapping": right}
     used = [s.name for s in campaign_series(replace(base, poses=poses, statuses=statuses))]
     assert used == [trial.trial_id for trial in base.analysed[:-1]]
+
+
+def exact_campaign_with_statuses(**of_last_trial) -> Campaign:
+    """Exact trials whose statuses agree with trials.csv; those of the last one are given."""
+    base = exact_campaign(powers=(100,))
+    flap = {"flap_hz": 5.8, "flap_hz_std": 0.01, "source": "motor_log", "video_hz": None,
+            "video_hz_std": None, "agrees": True}  # fmt: skip
+    statuses = {
+        t.trial_id: {"ok": True, "flapping": flap,
+                     "body": {"head_angle_deg": t.head_angle_deg, "length_ratios": {}}}
+        for t in base.analysed
+    }  # fmt: skip
+    last = base.analysed[-1].trial_id
+    statuses[last] = statuses[last] | of_last_trial
+    poses = {name: _pose_of_track(track) for name, track in base.tracks.items()}
+    return replace(base, poses=poses, statuses=statuses)
+
+
+def test_a_trial_with_another_head_angle_than_stated_is_kept_from_the_fits():
+    right = exact_campaign_with_statuses()
+    last = right.analysed[-1]
+    body = {"head_angle_deg": last.head_angle_deg + 2.5, "length_ratios": {}}
+    given = exact_campaign_with_statuses(body=body)
+    flapping = campaign_flapping(given)
+    assert contradicted_trials(given, flapping) == {last.trial_id: "head angle"}
+    assert [s.name for s in campaign_series(given)] == [t.trial_id for t in right.analysed[:-1]]
+    warning = contradiction_warning(contradicted_trials(given, flapping))
+    assert f"contradicts trials.csv: {last.trial_id} (head angle)" in warning
+    assert contradicted_trials(right, campaign_flapping(right)) == {}
+    assert contradiction_warning({}) == ""
+
+
+def test_a_trial_with_other_body_lengths_is_kept_from_the_fits():
+    right = exact_campaign_with_statuses()
+    last = right.analysed[-1].trial_id
+    lengths = {t.trial_id: {"excess": 1e-4 * k, "std": 1e-4, "number": k}
+               for k, t in enumerate(right.analysed)}  # fmt: skip
+    slightly, much = (
+        replace(right, geometry={"by_trial": lengths | {last: {"excess": x, "std": 1e-4}}})
+        for x in (0.015, -0.1)
+    )
+    assert contradicted_trials(slightly, campaign_flapping(slightly)) == {}
+    assert contradicted_trials(much, campaign_flapping(much)) == {last: "rigid lengths"}
+
+
+def test_where_half_of_the_trials_contradict_the_table_none_is_kept_from_the_fits():
+    right = exact_campaign_with_statuses()
+    half = [t.trial_id for t in right.analysed[: (len(right.analysed) + 1) // 2]]
+    statuses = {i: s | {"flapping": {**s["flapping"], "agrees": i not in half}}
+                for i, s in right.statuses.items()}  # fmt: skip
+    given = replace(right, statuses=statuses)
+    assert contradicted_trials(given, campaign_flapping(given)) == {}
 
 
 def _pose_of_track(track: Track) -> Pose:

@@ -13,7 +13,7 @@ from bluekoi.model import two_plate_system
 from bluekoi.tuning import JointFit, coefficient_table, downsampled, fit_all_trials
 from bluekoi.tuning.identify import fisher_eigendirections, likelihood_profiles, parameter_scales
 from bluekoi.tuning.new_trial import c_optimal_trial, parameters_for_planned_trials
-from bluekoi.tuning.turning_trials import fit_outcome, undetermined_without_turns
+from bluekoi.tuning.turning_trials import joint_fit_outcome_text, undetermined_without_turns
 from bluekoi.tuning.undetermined import undetermined_combinations
 from paper_robot import PAPER_SETUP
 from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
@@ -115,13 +115,13 @@ def test_trials_are_imagined_at_plausible_values(
 def test_straight_runs_at_a_bound_lack_turns_not_physics(
     straight_runs_fit, simulated_campaign, fit_at_bounds
 ) -> None:
-    text = fit_outcome(fit_at_bounds, straight_runs_fit)
+    text = joint_fit_outcome_text(fit_at_bounds, straight_runs_fit)
     assert "turns are lacking" in text
     assert "C_Da, C_Ma, C_Md" in text
     assert "physics" not in text
     table_ = undetermined_without_turns(coefficient_table(fit_at_bounds), straight_runs_fit)
     assert "no turns" in table_["C_Da"]["why"]
-    assert fit_outcome(fit_at_bounds, simulated_campaign) == AT_BOUND
+    assert joint_fit_outcome_text(fit_at_bounds, simulated_campaign) == AT_BOUND
 
 
 def test_numbers_at_a_bound_are_never_determined_combinations(fit_at_bounds) -> None:

@@ -24,7 +24,7 @@ from bluekoi.tuning import JointFit, downsampled, fit_all_trials
 from bluekoi.tuning.draws import response_to_bounded, sample_parameters
 from bluekoi.tuning.joint_fit import START_NOISE
 from bluekoi.tuning.paper_steps import _fit_second_step, sample_step_parameters
-from bluekoi.tuning.two_step_covariance import step_sensitivity, with_step_covariance
+from bluekoi.tuning.two_step_covariance import sensitivity_to_earlier_step, with_step_covariance
 from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
 
 FRAMES = 20
@@ -106,7 +106,7 @@ def three_step_fit() -> tuple[list[TrialSeries], JointFit, JointFit]:
 
 def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(three_step_fit) -> None:
     turns, first, second = three_step_fit
-    sensitivity = step_sensitivity(turns, second, first)
+    sensitivity = sensitivity_to_earlier_step(turns, second, first)
     change = 0.02 * first.fit.values[1]
 
     def refitted(by: float) -> np.ndarray:
@@ -134,7 +134,7 @@ def test_no_variance_of_a_step_is_less_than_the_naive_one(three_step_fit) -> Non
 
 def test_draws_of_a_step_go_along_with_those_of_the_earlier_one(three_step_fit) -> None:
     turns, first, second = three_step_fit
-    sensitivity = step_sensitivity(turns, second, first)
+    sensitivity = sensitivity_to_earlier_step(turns, second, first)
     tight = replace(second, cov=1e-12 * second.cov)
     found = sample_step_parameters((first, tight), sensitivity, np.random.default_rng(1))
     moved = np.column_stack([found[n] for n in ("C_T", "C_D0")]) - first.fit.values

@@ -21,7 +21,7 @@ import numpy as np
 from bluekoi.campaign import load_campaign
 from bluekoi.data import Float
 from bluekoi.engine.candidates import Candidate, strength_step
-from bluekoi.engine.expansion import LikelihoodExpansion, expand_in_all_forms
+from bluekoi.engine.expansion import LikelihoodExpansion, expand_likelihood_in_all_forms
 from bluekoi.engine.problem import CauseSearchProblem
 from bluekoi.engine.refit import fit_set
 from bluekoi.fitting import rms_forces
@@ -40,7 +40,9 @@ def relative_residuals(study: Path, results: Path) -> dict[str, list[float]]:
     kernel, baseline = trial_kernel(series), fit_all_trials(series)
     problem = robot_problem(kernel, series, baseline, displaced=(), progress=lambda _: None)
     model = fit_set(problem, (), problem.noise, baseline.fit.by_label())
-    expansion, _ = expand_in_all_forms(problem, model)  # strengths in their leading forms
+    expansion, _ = expand_likelihood_in_all_forms(
+        problem, model
+    )  # strengths in their leading forms
     found: dict[str, list[float]] = defaultdict(list)
     for cause, value in _relative_residuals_by_form(problem, expansion):
         found[cause].append(value)

@@ -13,7 +13,7 @@ EXIT_INTERRUPTED = 130
 """Exit code of a command that was interrupted from the keyboard."""
 MIN_ROWS_TO_MERGE = 4
 """The same finding in as many rows of a table or more is shown as one line."""
-ROW_PATTERN = re.compile(r"row (\d+) \(([^()]*)\), (.+)")
+FINDING_ROW_PATTERN = re.compile(r"row (\d+) \(([^()]*)\), (.+)")
 """Place of a finding in a row: its number, the trial, the column."""
 INTERRUPTED_MESSAGE = "Interrupted. What is done is kept; start again and it goes on."
 
@@ -61,7 +61,7 @@ def _merge_row_findings(findings: Iterable[InputIssue]) -> list[InputIssue]:
     """Findings that differ in the row of a table alone made one, at the place of the first."""
     groups: dict[object, list[InputIssue]] = {}
     for finding in findings:
-        row = ROW_PATTERN.fullmatch(finding.where)
+        row = FINDING_ROW_PATTERN.fullmatch(finding.where)
         groups.setdefault(replace(finding, where=row[3]) if row else finding, []).append(finding)
     return [
         one
@@ -72,7 +72,7 @@ def _merge_row_findings(findings: Iterable[InputIssue]) -> list[InputIssue]:
 
 def _finding_for_rows(same: list[InputIssue]) -> InputIssue:
     """One finding for all the rows that `same` stand for."""
-    rows = [row for one in same if (row := ROW_PATTERN.fullmatch(one.where))]
+    rows = [row for one in same if (row := FINDING_ROW_PATTERN.fullmatch(one.where))]
     if not rows:
         return same[0]
     first, last = rows[0], rows[-1]

@@ -36,7 +36,7 @@ def calibration_covariance_at_pixels(
     return np.asarray(modes @ np.swapaxes(modes, 1, 2))
 
 
-def calibration_covariance_at_places(camera: PoolCamera, xy_m: Float, depth_m: float) -> Float:
+def calibration_covariance_at_points(camera: PoolCamera, xy_m: Float, depth_m: float) -> Float:
     """Covariance (n, 2, 2), m2, of places (n, 2) at a depth from the calibration alone."""
     below = np.column_stack([xy_m, np.full(len(xy_m), -depth_m)])
     return calibration_covariance_at_pixels(camera, pool_to_pixels(camera, below), depth_m)

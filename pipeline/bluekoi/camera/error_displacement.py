@@ -23,6 +23,8 @@ WATER_INDEX = 1.333
 """Refractive index of water."""
 REFRACTIVE_INDEX_TOLERANCE = 0.02
 """A stated index nearer to that of water is right, and the depth may be wrong."""
+MAX_KEYPOINT_HEIGHT_IN_BODY_LENGTHS = 0.05
+"""Height above the surface at which a keypoint of a floating body may be."""
 POOL_GRID_POINTS, RADIUS_TABLE_POINTS = (12, 8), 50
 """Points of the pool (along, across) at which a displacement is taken, and radii of its table."""
 GRID_MARGIN_TO_WALL_M = 0.08
@@ -38,7 +40,8 @@ class CameraErrorConstants:
     below_m: (x, y) under the camera. bend_1_m2: what is drawn in by refraction goes as
     rho (1 + bend rho^2), rho from there. A wrong lens moves p by k ((r^2 - q Q)(p - c) + a), with
     r = |p - c|, q near 1: lens_m is c, lens_rest_m2 is Q (where the pose makes up for it),
-    lens_pull_m3 is a.
+    lens_pull_m3 is a. inward_shift_range: the smallest and the largest share by which refraction
+    can draw in what is seen; (0, 0) where the height of the camera is not known.
     """
 
     below_m: tuple[float, float]
@@ -46,6 +49,7 @@ class CameraErrorConstants:
     lens_m: tuple[float, float]
     lens_rest_m2: float
     lens_pull_m3: tuple[float, float]
+    inward_shift_range: tuple[float, float] = (0.0, 0.0)
 
 
 def camera_error_constants(setup: StudySettings) -> CameraErrorConstants:
@@ -53,12 +57,13 @@ def camera_error_constants(setup: StudySettings) -> CameraErrorConstants:
     corners fit no pose (an error of the stages that need one).
     """
     index, depth_m = setup.water.refractive_index, setup.robot.keypoint_depth_m
-    return _constants_of_pool_camera(setup.camera, setup.pool, index, depth_m)
+    highest_m = MAX_KEYPOINT_HEIGHT_IN_BODY_LENGTHS * setup.robot.body_length_m
+    return _constants_of_pool_camera(setup.camera, setup.pool, index, depth_m, highest_m)
 
 
 @lru_cache(maxsize=8)
 def _constants_of_pool_camera(
-    given: Camera, pool: Pool, index: float, depth_m: float
+    given: Camera, pool: Pool, index: float, depth_m: float, highest_m: float
 ) -> CameraErrorConstants:
     middle = (0.5 * pool.length_m, 0.5 * pool.width_m)
     above = CameraErrorConstants(middle, 0.0, middle, float(np.dot(middle, middle)), (0.0, 0.0))
@@ -73,7 +78,21 @@ def _constants_of_pool_camera(
         (x, y),
         _refraction_curvature_1_m2(index, height, float(np.hypot(*middle))),
         *_lens_error_constants(camera, depth_m, middle),
+        inward_shift_range=(
+            _inward_shift(index, height, depth_m, -highest_m),
+            _inward_shift(index, height, depth_m, pool.depth_m),
+        ),
     )
+
+
+def _inward_shift(index: float, height_m: float, assumed_m: float, depth_m: float) -> float:
+    """Share by which a keypoint at a depth is seen too near the point below the camera, if it is
+    assumed at another one; depths above the surface are negative.
+
+    Paraxial: a ray at the tangent t in air reaches rho = t (H + d / n) at the depth d.
+    """
+    apparent = depth_m / WATER_INDEX if depth_m > 0 else depth_m
+    return 1.0 - (height_m + assumed_m / index) / (height_m + apparent)
 
 
 def _refraction_curvature_1_m2(index: float, height_m: float, reach_m: float) -> float:

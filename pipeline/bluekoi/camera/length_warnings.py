@@ -40,7 +40,7 @@ def length_warnings(
     return [
         *_scale_warnings(geometry or {}, named),
         *_camera_error_warnings(geometry or {}, named, refractive_index),
-        *_deviating_trial_warnings((geometry or {}).get("by_trial") or {}),
+        *_deviating_trial_warnings(geometry),
     ]
 
 
@@ -83,15 +83,22 @@ def _camera_remedy(likely: str, refractive_index: float) -> str:
     return f"Check keypoint_depth_m and the water's depth; {stated}."
 
 
-def _deviating_trial_warnings(by_trial: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
-    names = list(by_trial)
-    shares, stds = (np.array([by_trial[n][key] for n in names]) for key in ("excess", "std"))
-    for name, off in zip(
-        names, deviations_from_majority(shares, stds, MIN_LENGTH_ERROR_SHARE), strict=True
-    ):
-        if off:
-            yield (
-                f"Trial {name}: the robot's rigid lengths come out {100 * off:+.1f} % against the "
-                "other trials. Its picture is not theirs (turned, mirrored, cropped, zoomed, or "
-                "another camera), or head_length_m is not this trial's."
-            )
+def deviating_lengths(
+    geometry: Mapping[str, Any] | None, least: float = MIN_LENGTH_ERROR_SHARE
+) -> dict[str, float]:
+    """Trial -> relative deviation of its rigid lengths from those of most trials, of the trials
+    that deviate by more than the scatter and by more than `least`. geometry: of geometry.json.
+    """
+    by_trial = (geometry or {}).get("by_trial") or {}
+    shares, stds = (np.array([row[key] for row in by_trial.values()]) for key in ("excess", "std"))
+    found = deviations_from_majority(shares, stds, least)
+    return {name: float(off) for name, off in zip(by_trial, found, strict=True) if off}
+
+
+def _deviating_trial_warnings(geometry: Mapping[str, Any] | None) -> Iterator[str]:
+    for name, off in deviating_lengths(geometry).items():
+        yield (
+            f"Trial {name}: the robot's rigid lengths come out {100 * off:+.1f} % against the "
+            "other trials. Its picture is not theirs (turned, mirrored, cropped, zoomed, or "
+            "another camera), or head_length_m is not this trial's."
+        )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import fields
 from typing import Any
 
@@ -49,6 +49,14 @@ def windows_to_columns(windows: RigidDistances) -> dict[str, Any]:
     return {
         f.name: np.round(getattr(windows, f.name), STORED_DECIMALS) for f in fields(RigidDistances)
     }
+
+
+def windows_of_other_trials(windows: RigidDistances, left_out: Collection[int]) -> RigidDistances:
+    """Windows without those of the trials with these numbers."""
+    kept = ~np.isin(windows.trial.round(), list(left_out))
+    return RigidDistances(
+        **{f.name: getattr(windows, f.name)[kept] for f in fields(RigidDistances)}
+    )
 
 
 def windows_from_columns(columns: Mapping[str, Any]) -> RigidDistances:

@@ -9,7 +9,7 @@ import numpy as np
 from ..data import Float, Keypoints, is_confident
 from ..errors import input_error
 
-MARGIN_SHARE = 0.05
+OUTSIDE_PICTURE_MARGIN_SHARE = 0.05
 """Points may lie outside of the picture by this share of its longer side; networks extrapolate."""
 MAX_OUTSIDE_SHARE = 0.25
 """Share of the points that may lie further outside."""
@@ -33,7 +33,7 @@ def check_within_picture(path: Path, found: Keypoints, size_px: tuple[int, int] 
     if size_px is None:
         return
     beyond = np.maximum(-points, points - np.array(size_px)).max(axis=1)
-    outside = beyond > MARGIN_SHARE * max(size_px)
+    outside = beyond > OUTSIDE_PICTURE_MARGIN_SHARE * max(size_px)
     if outside.mean() <= MAX_OUTSIDE_SHARE:
         return
     u, v = points[outside][0]

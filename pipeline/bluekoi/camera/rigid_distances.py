@@ -16,7 +16,7 @@ from .pool_projection import PoolCamera, map_to_pool, pool_to_pixels
 from .study_camera import camera_from_corners
 
 RIGID_PAIRS = (("head_tip", "hinge"), ("hinge", "core_center"), ("core_center", "tail_base"))
-MAX_DISTANCES = 30_000
+MAX_DISTANCE_SAMPLES = 30_000
 STATED_LENGTH_STD_SHARE = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
 MAD_TO_STD = 1.4826
 MAX_DEVIATION_ROBUST_STDS = 6.0
@@ -77,7 +77,7 @@ def rigid_distances(
             f"confident {', '.join(' and '.join(pair) for pair in RIGID_PAIRS)} in some trial",
         )
     columns = {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
-    stride = max(1, -(-len(columns["excess_m"]) // MAX_DISTANCES))
+    stride = max(1, -(-len(columns["excess_m"]) // MAX_DISTANCE_SAMPLES))
     return RigidDistances(**{name: values[::stride] for name, values in columns.items()})
 
 
@@ -225,7 +225,7 @@ def _change_distortion_k1(geometry: CameraGeometry, step: float) -> CameraGeomet
     return replace(geometry, camera=_camera_with_lens(geometry.camera, changed))
 
 
-def _change_scale(geometry: CameraGeometry, step: float) -> CameraGeometry:
+def _with_pool_scale_changed(geometry: CameraGeometry, step: float) -> CameraGeometry:
     camera = geometry.camera
     wide = camera.corners_m * np.array([1 + step, 1 + step, 1.0])
     if camera.lens is None:
@@ -265,7 +265,7 @@ def _with_camera_tilted(axis: int) -> Callable[[CameraGeometry, float], CameraGe
 GEOMETRY_ERROR_FUNCTIONS: dict[
     str, tuple[Callable[[CameraGeometry, float], CameraGeometry], float]
 ] = {
-    "scale": (_change_scale, 1e-3),
+    "scale": (_with_pool_scale_changed, 1e-3),
     "focal": (_change_focal_length, 1e-3),
     "k1": (_change_distortion_k1, 1e-3),
     "tilt_x_rad": (_with_camera_tilted(0), 1e-3),

@@ -58,11 +58,11 @@ def turned_picture_record(
         if good.sum() >= MIN_FRAMES:
             std, near = robust_std_and_inliers(given, good)
             good &= near
-            record[name] = _sums(given[good], turned[good], std)
+            record[name] = _turned_regression_sums(given[good], turned[good], std)
     return record
 
 
-def _sums(given_m: Float, turned_m: Float, std_m: float) -> dict[str, float]:
+def _turned_regression_sums(given_m: Float, turned_m: Float, std_m: float) -> dict[str, float]:
     change = turned_m / given_m - 1.0
     return {
         "length_m": float(np.median(given_m)),
@@ -139,10 +139,10 @@ def _fits(
             fits.setdefault(name, []).append(
                 (cross, usual**2 * sums["pp"], scatter / usual, sums["rms"])
             )
-    return {name: fit for name, rows in fits.items() if (fit := _combined(rows))}
+    return {name: fit for name, rows in fits.items() if (fit := _turned_fit_over_lengths(rows))}
 
 
-def _combined(rows: list[tuple[float, float, float, float]]) -> _TurnedFit | None:
+def _turned_fit_over_lengths(rows: list[tuple[float, float, float, float]]) -> _TurnedFit | None:
     """Fit over the lengths of a trial; the scatter between trials is common to them."""
     cross, information = sum(row[0] for row in rows), sum(row[1] for row in rows)
     rms = max(row[3] for row in rows)

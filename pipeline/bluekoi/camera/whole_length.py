@@ -106,7 +106,7 @@ def _whole_lengths_of_trial(
         "front_m": front[good],
         "back_m": back[good],
         "excess_m": (ratio[good] - 1.0) * known_m,
-        "std_m": np.full(n, _frame_std(std, n) * known_m),
+        "std_m": np.full(n, _equivalent_frame_std(std, n) * known_m),
         "known_m": np.full(n, known_m),
         "trial": np.full(n, float(label)),
         "pair": np.full(n, WHOLE_LENGTH_PAIR_NUMBER),
@@ -115,7 +115,7 @@ def _whole_lengths_of_trial(
     }
 
 
-def _frame_std(std: float, frames: int) -> float:
+def _equivalent_frame_std(std: float, frames: int) -> float:
     """Standard deviation of one frame for which all frames together have that of their trial."""
     return float(
         np.sqrt(

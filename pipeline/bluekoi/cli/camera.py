@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from ..study import Study
 
 
-SECONDS_PER_PICTURE = 1.0  # a photograph of 12 megapixels, its share of the fits included
+CALIBRATION_SECONDS_PER_PICTURE = (
+    1.0  # a photograph of 12 megapixels, its share of the fits included
+)
 
 
 @click.command()
@@ -47,7 +49,7 @@ def calibrate(
     if odd := next((path for path in images if path.exists() and not path.is_file()), None):
         raise input_error(odd, "", "no regular file", "pictures, videos or a lens profile")
     with progress_notice(
-        f"calibrating from {len(images)} files", SECONDS_PER_PICTURE * len(images)
+        f"calibrating from {len(images)} files", CALIBRATION_SECONDS_PER_PICTURE * len(images)
     ):
         found = calibrate_files(
             images, pattern=pattern, square_mm=square_mm, board=board, model=model, out=out

@@ -77,7 +77,7 @@ def explain(
     progress(f"reading {data}")
     trials = ex.read_trials(given, data)
     further = [t for folder in others for t in ex.read_trials(given, folder)]
-    _check_predicted(given, further, known_s)
+    _check_trials_to_predict(given, further, known_s)
     notes = _notes_on_use(given, data, others, candidates, without)
     found = ex.explain(
         given,
@@ -112,7 +112,7 @@ def _refuse_file_for_folder(folder: Path) -> None:
                               "Name another one with --out.")  # fmt: skip
 
 
-def _check_predicted(model: Model, trials: Sequence[Trial], known_s: float) -> None:
+def _check_trials_to_predict(model: Model, trials: Sequence[Trial], known_s: float) -> None:
     """Raises: InputError, before anything is fitted, where trials cannot be predicted."""
     from ..errors import input_error  # noqa: PLC0415
     from ..explain.trials import validated_trials  # noqa: PLC0415

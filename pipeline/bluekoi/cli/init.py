@@ -35,7 +35,7 @@ def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | Non
     """
     from ..errors import input_error  # noqa: PLC0415
     from ..files import write_text  # noqa: PLC0415
-    from ..preparation.file_properties import file_properties, with_properties  # noqa: PLC0415
+    from ..preparation.file_properties import file_properties, with_recording_property_comments  # noqa: PLC0415
     from ..preparation.prefill import (  # noqa: PLC0415
         blank_study_yaml,
         trial_rows,
@@ -58,7 +58,7 @@ def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | Non
     with progress_notice(f"opening the files of {len(rows)} trials"):
         found = file_properties(folder, rows)
     write_text(folder / "trials.csv", trials_csv(rows))
-    write_text(folder / "study.yaml", with_properties(blank_study_yaml(), found))
+    write_text(folder / "study.yaml", with_recording_property_comments(blank_study_yaml(), found))
     for one in found:
         click.echo(f"{one.trial_id}: {one.source}: {one.text}")
     click.echo(

@@ -62,7 +62,7 @@ class StudyName(NonEmptyPath):
         found = [CompletionItem(name, help="study") for name in self.also
                  if name.startswith(incomplete)]  # fmt: skip
         for entry in entries:
-            if entry.name.startswith(start) and _is_offered(entry, start):
+            if entry.name.startswith(start) and _is_completion_candidate(entry, start):
                 path = f"{folder}/{entry.name}" if "/" in incomplete else entry.name
                 study = os.path.isfile(os.path.join(entry.path, "study.yaml"))
                 found.append(CompletionItem(path if study else f"{path}/",
@@ -103,6 +103,6 @@ def _entry_name(entry: os.DirEntry[str]) -> str:
     return entry.name
 
 
-def _is_offered(entry: os.DirEntry[str], start: str) -> bool:
+def _is_completion_candidate(entry: os.DirEntry[str], start: str) -> bool:
     """Whether an entry is a folder, hidden ones only where their dot is typed."""
     return entry.is_dir() and (start.startswith(".") or not entry.name.startswith("."))

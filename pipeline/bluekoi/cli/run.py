@@ -13,7 +13,7 @@ from pathlib import Path
 import click
 
 from ..errors import EXIT_INTERRUPTED, EXIT_USAGE
-from ..workflow.forkserver_client import COMMAND_VARIABLE
+from ..workflow.forkserver_client import COMMAND_ENVIRONMENT_VARIABLE
 from .parameter_types import NonEmptyPath, StudyName
 
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
@@ -119,7 +119,7 @@ def run(
             f"Got a second study '{further[0]}'; expected one study, or options of Snakemake "
             "after --."
         )
-    os.environ[COMMAND_VARIABLE] = shlex.join(["bluekoi", *sys.argv[1:]])
+    os.environ[COMMAND_ENVIRONMENT_VARIABLE] = shlex.join(["bluekoi", *sys.argv[1:]])
     returned = _run_process(snakemake_command(study, results, cores, further))
     folder = _requested_results_folder(study, results, further)
     dry = {"-n", "--dry-run", "--dryrun"} & set(further)
@@ -243,7 +243,7 @@ def _exit_code(returned: int, results: Path) -> int:
         return returned
     from ..stages.layout import ResultPaths  # noqa: PLC0415
 
-    last = ResultPaths(results).last_results
+    last = ResultPaths(results).end_of_run_results
     complained = not (results / "outcome.json").is_file()
     some_failed = complained and all(path.is_file() for path in last)
     return EXIT_SOME_TRIALS_FAILED if some_failed else EXIT_RUN_FAILED

@@ -8,7 +8,7 @@ from .types import Float
 
 NORMAL_IQR_IN_STDS = 1.349
 """Width of the central half of a normal distribution, in standard deviations."""
-DEVIATION_SIGMAS = 5.0
+MAX_MAJORITY_DEVIATION_SIGMAS = 5.0
 """Standard deviations beyond which a value is not one of most trials."""
 
 
@@ -22,7 +22,7 @@ def deviations_from_majority(values: Float, stds: Float, least: float) -> Float:
         return np.zeros(len(values))
     centre, scatter = majority_centre_and_scatter(values)
     off = values - centre
-    limit = np.maximum(least, DEVIATION_SIGMAS * np.hypot(scatter, stds))
+    limit = np.maximum(least, MAX_MAJORITY_DEVIATION_SIGMAS * np.hypot(scatter, stds))
     return np.where(np.abs(off) > limit, off, 0.0)
 
 

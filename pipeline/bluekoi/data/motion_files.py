@@ -42,13 +42,13 @@ def read_track(path: str | Path) -> Track:
     columns = read_columns(path, TRACK_COLUMNS)
     values: dict[str, Any] = {name: columns[name] for name in TRACK_COLUMNS}
     recoil, recoil_std = (
-        _columns_or_nothing(columns, [f"{name}{end}" for name in RECOIL_COLUMNS])
+        _stack_columns_if_all_present(columns, [f"{name}{end}" for name in RECOIL_COLUMNS])
         for end in ("", "_std")
     )
     return Track(**values, recoil=recoil, recoil_std=recoil_std)
 
 
-def _columns_or_nothing(columns: Mapping[str, Float], names: Sequence[str]) -> Float:
+def _stack_columns_if_all_present(columns: Mapping[str, Float], names: Sequence[str]) -> Float:
     """Columns side by side (frames, names); (0, names) where one is missing."""
     if not set(names) <= columns.keys():
         return np.zeros((0, len(names)))

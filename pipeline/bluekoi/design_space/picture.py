@@ -20,7 +20,7 @@ from .front import RobotDesign, is_pareto_optimal
 from .manoeuvres import Schedule
 
 TESTED_COLOUR, FRONT_COLOUR = "#b0b8bf", "#0b5394"
-MAX_FRONT_MARKS = 14
+MAX_PARETO_FRONT_MARKS = 14
 """Marks along the front, at most."""
 
 
@@ -77,7 +77,7 @@ def simulated_path_figure(
     above, below = figure.subplots(2, 1, height_ratios=(2.4, 1))
     x, y = run.state[:, 0], run.state[:, 1]
     above.plot(x, y, color=FRONT_COLOUR, lw=1.2)
-    marks = np.unique(np.linspace(0, len(x) - 1, MAX_FRONT_MARKS).round().astype(int))
+    marks = np.unique(np.linspace(0, len(x) - 1, MAX_PARETO_FRONT_MARKS).round().astype(int))
     outlines = _robot_outlines(run, marks, setup, head_length_m)
     above.add_collection(LineCollection(outlines, colors="0.25", linewidths=1.6))
     pool = setup.pool

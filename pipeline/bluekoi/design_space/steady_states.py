@@ -9,7 +9,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, compile_system
-from ..integrate.batch import in_lanes, simulate_batch
+from ..integrate.batch import repeat_over_lanes, simulate_batch
 from ..model import RobotUnits, constants_of_robot_trial, robot_system
 from ..study import StudySettings
 
@@ -83,7 +83,7 @@ def _steady_motion(
         compile_system(system),
         np.zeros((blocks, len(system.all_states), LANES)),
         lanes,
-        in_lanes(np.repeat(fixed, parts, axis=0)),
+        repeat_over_lanes(np.repeat(fixed, parts, axis=0)),
         times=np.tile([0.0, CHECK_S, SETTLE_S], (blocks, 1)),
         inputs=np.repeat(np.repeat(inputs, parts, axis=0)[:, None], 3, axis=1),
         keep_states=True,

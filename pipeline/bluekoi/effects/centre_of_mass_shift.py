@@ -31,8 +31,8 @@ MOST_VISIBLE_WHERE = "all turns; a shift to one side also in straight runs"
 CONFUSED_WITH = ("head_angle_offset", "stall", "tail_fin_lift", "keypoint_bias")
 STRENGTH_PARAMETER_COUNT = 2
 EFFECT_PARAMETERS = (
-    Parameter("forward_shift", "m", 0.005, -0.08, 0.08, "shift towards the head", symbol="d"),
-    Parameter("left_shift", "m", 0.003, -0.04, 0.04, "shift to the left of the core", symbol="s"),
+    Parameter("forward_shift", "m", 0.005, -0.04, 0.04, "shift towards the head", symbol="d"),
+    Parameter("left_shift", "m", 0.003, -0.02, 0.02, "shift to the left of the core", symbol="s"),
     Parameter("head_angle_share", "1", 0.0, 0.0, 1.0, "part that grows with the head angle",
               spread=0.5, symbol="w"),
 )  # fmt: skip

@@ -37,7 +37,7 @@ CONFUSED_WITH = ("motor_spin_up", "lift_lag", "time_offset")
 EFFECT_PARAMETERS = (
     Parameter("missing_share", "1", 0.5, 0.0, 1.2, "share of the angle missing at the start",
               symbol="k"),
-    Parameter("time_constant", "s", 0.4, 0.05, 3.0, "time constant", symbol="tau"),
+    Parameter("time_constant", "s", 0.4, 0.05, 1.5, "time constant", symbol="tau"),
     Parameter("rate_limit_exponent", "1", 1.5, 1.0, 5.0, "1: first-order lag, larger: limited rate",
               symbol="n"),
     Parameter("angle_dependence", "1", 0.5, 0.0, 1.0,

@@ -17,6 +17,10 @@ The strengths of each cause have a Cauchy prior (Jeffreys 1961, sec. 5.2) as wid
 magnitude, which its file states: an effect far smaller than plausible costs what its precision
 costs, log(magnitude / standard error). Where one sign alone is possible, the half of it, and the
 posterior's share on that side.
+
+A number held at a bound that the gradient pushes against has no standard error; the likelihood
+falls inside the bound, the faster the more it pushes, and the integral of this takes its place
+(`_log_widths_inside_bounds`).
 """
 
 from __future__ import annotations
@@ -24,12 +28,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.special import gammaln, log_ndtr, logsumexp
+from scipy.special import erfcx, gammaln, log_ndtr, logsumexp
 
 from ..data import Float
 from .expansion import LikelihoodExpansion
 from .problem import CauseSearchProblem
-from .set_columns import CauseSetColumns, combinations_of_shares, precisions_with_shares
+from .set_columns import (
+    MIN_INFORMATION,
+    CauseSetColumns,
+    combinations_of_shares,
+    precisions_with_shares,
+)
 
 DIAGONAL_RIDGE = 1e-10
 """Added to the information, scaled to a diagonal of ones: a normal prior of 1e5 conditional
@@ -51,7 +60,7 @@ def log_evidence(expansion: LikelihoodExpansion, lay: CauseSetColumns) -> float:
     return float(logsumexp(values) - np.log(len(values)))
 
 
-def log_evidence_with_shares(
+def log_evidence_at_discrepancy_shares(
     expansion: LikelihoodExpansion, lay: CauseSetColumns, shares: Mapping[str, float]
 ) -> float:
     """Log m(S) of a set with given shares of the discrepancies of its causes."""
@@ -87,8 +96,6 @@ def _laplace_log_evidences(H: Float, g: Float, lay: CauseSetColumns, given: Floa
     layout's.
     """
     index = np.flatnonzero(~lay.held)
-    if len(index) == 0:
-        return np.zeros(len(given))
     precision = np.where(lay.included, 0.0, given)
     off = np.where(lay.gaussian & ~lay.included, lay.at, 0.0)  # from the mean of their prior, 0
     slopes = g - precision * off
@@ -103,43 +110,63 @@ def _laplace_log_evidences(H: Float, g: Float, lay: CauseSetColumns, given: Floa
     # the width of the Cauchy prior regularises the step; it does not pull a strength to 0
     pull = np.where(lay.gaussian, 0.0, given)
     gain = 0.5 * np.sum(slopes * step + pull * step**2 - precision * off**2, axis=1)
-    own = index >= lay.count
-    if not own.any():
+    if len(lay.at) == lay.count:
         return np.asarray(gain)
-    whole = np.linalg.inv(A)[:, own][:, :, own]
-    cov = np.asarray(whole * scale[:, own, None] * scale[:, None, own])  # G^-1
+    cov = np.linalg.inv(A) * scale[:, :, None] * scale[:, None, :]
+    own = index >= lay.count
     rest = index[own]
-    gain += 0.5 * np.linalg.slogdet(cov)[1]
-    gain += 0.5 * np.log(given[:, rest][:, lay.gaussian[rest]]).sum(axis=1)
+    if own.any():
+        whole = cov[:, own][:, :, own]  # G^-1
+        gain += 0.5 * np.linalg.slogdet(whole)[1]
+        gain += 0.5 * np.log(given[:, rest][:, lay.gaussian[rest]]).sum(axis=1)
+    held = np.flatnonzero(lay.held & (np.arange(len(lay.at)) >= lay.count))
+    across = H[np.ix_(held, index)]
+    widths = _log_widths_inside_bounds(
+        slopes[:, held] - step[:, index] @ across.T,
+        np.diag(H)[held] + precision[:, held] - np.einsum("hf,nfg,hg->nh", across, cov, across),
+    )
+    gaussian = lay.gaussian[held]
+    gain += widths[:, gaussian].sum(axis=1)
+    gain += 0.5 * np.log(given[:, held[gaussian]] / (2.0 * np.pi)).sum(axis=1)
     for cause in lay.blocks:
-        gain += _log_strength_prior(cause, cov, rest, step, lay)
+        gain += _log_strength_prior(cause, cov[:, own][:, :, own], rest, step, lay)
+        gain += widths[:, np.isin(held, lay.blocks[cause])].sum(axis=1)
     return np.asarray(gain)
+
+
+def _log_widths_inside_bounds(slopes: Float, curvatures: Float) -> Float:
+    """Log of the widths (n, h) that the likelihood has inside the bounds at which numbers are held.
+
+    Inside its bound by t, the log likelihood of such a number is lower by a t + b t^2 / 2, a its
+    slope and b its curvature where the free numbers follow:
+
+        w = integral over t > 0 of exp(-a t - b t^2 / 2) = sqrt(pi / 2 b) erfcx(a / sqrt(2 b))
+    """
+    a, b = np.abs(slopes), np.maximum(curvatures, MIN_INFORMATION)
+    return np.asarray(0.5 * np.log(0.5 * np.pi / b) + np.log(erfcx(a / np.sqrt(2.0 * b))))
 
 
 def _log_strength_prior(
     cause: str, cov: Float, rest: np.ndarray, step: Float, lay: CauseSetColumns
 ) -> Float | float:
-    """Log p(s) + k/2 log 2 pi of a cause's best strengths (n,); see `laplace_log_evidence`.
+    """Log p(s) + k/2 log 2 pi of a cause's best strengths (n,), k of which are free; see
+    `laplace_log_evidence`.
 
-    A strength that is held at 0 makes the cause absent: e^-50, for no set is named for it. One that
-    is held at another bound counts by its prior density over its plausible magnitude.
+    Strengths that are all held at 0 make the cause absent: e^-50, for no set is named for it.
     """
     block = lay.blocks[cause]
     free = np.isin(block, rest)
-    if not free.any():
-        held, widths = lay.at[block], lay.sizes[cause]
-        return (
-            LOG_PROBABILITY_OF_IMPOSSIBLE
-            if not held.any()
-            else float(_log_cauchy(held, widths)) + float(np.log(widths).sum())
-        )
-    own, sizes = block[free], lay.sizes[cause][free]
-    k, values = len(own), lay.at[own] + step[:, own]
+    values = lay.at[block] + step[:, block]
+    if not free.any() and not values.any():
+        return LOG_PROBABILITY_OF_IMPOSSIBLE
     side: Float | float = 0.0
     if lay.signed[cause]:
-        at = int(np.flatnonzero(rest == own[0])[0])
-        side = np.log(2.0) + log_ndtr(values[:, 0] / np.sqrt(cov[:, at, at]))
-    return np.asarray(_log_cauchy(values, sizes) + 0.5 * k * float(np.log(2.0 * np.pi)) + side)
+        side = np.log(2.0)
+        if free[0]:
+            at = int(np.flatnonzero(rest == block[0])[0])
+            side += log_ndtr(values[:, 0] / np.sqrt(cov[:, at, at]))
+    log_volume = 0.5 * int(free.sum()) * float(np.log(2.0 * np.pi))
+    return np.asarray(_log_cauchy(values, lay.sizes[cause]) + log_volume + side)
 
 
 def _log_cauchy(values: Float, sizes: Float) -> Float:

@@ -66,10 +66,12 @@ def expand_likelihood(
     """`LikelihoodExpansion` about a fitted set, in its own numbers and those of `candidates` (all
     others), each in its likeliest form.
     """
-    return expansion_in_likeliest_forms(problem, *expand_in_all_forms(problem, model, candidates))
+    return restricted_to_likeliest_forms(
+        problem, *expand_likelihood_in_all_forms(problem, model, candidates)
+    )
 
 
-def expand_in_all_forms(
+def expand_likelihood_in_all_forms(
     problem: CauseSearchProblem,
     model: FittedCauseSet,
     candidates: Sequence[Candidate] | None = None,
@@ -178,7 +180,7 @@ def _forms_to_try(problem: CauseSearchProblem, candidate: Candidate) -> list[dic
     return [leading, *(form for form in further if form != leading)]
 
 
-def expansion_in_likeliest_forms(
+def restricted_to_likeliest_forms(
     problem: CauseSearchProblem, whole: LikelihoodExpansion, tried: TriedForms
 ) -> LikelihoodExpansion:
     """The expansion with the columns of the likeliest form alone of what has several; a form that

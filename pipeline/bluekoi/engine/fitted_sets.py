@@ -10,7 +10,7 @@ import numpy as np
 from .expansion import LikelihoodExpansion, expand_likelihood
 from .own_noise import fit_own_noise
 from .problem import CauseSearchProblem
-from .refit import FittedCauseSet, fit_set, likeliest_start
+from .refit import FittedCauseSet, fit_set, likeliest_strength_start
 from .set_score import ScoredCauseSet, refit_with_discrepancy, score_set
 
 MAX_LOG_ODDS_TO_REFIT = 20.0
@@ -65,7 +65,7 @@ class FittedCauseSets:
         self.problem.progress(" + ".join(causes) or "baseline")
         known = {**near.fit.by_label(), **(start or {})}
         for cause in key - near.key:
-            known |= likeliest_start(self.problem, near, cause)
+            known |= likeliest_strength_start(self.problem, near, cause)
         left = self.shared_discrepancy(near, key)
         stds = {label: std for label, std in near.deviations.items() if label in left}
         effects = near.effects(self.problem)

@@ -27,7 +27,7 @@ def rms_force_by_cause(problem: CauseSearchProblem, model: FittedCauseSet) -> di
     points = replace(problem, base=base).points(model.fit.free, model.fit.values)
     steps = [strength_step(system, f) for f in terms]
     changes = [[_values_without_cause(system, v, c) for v in points] for c in causes]
-    changes += [[_values_with_strength(system, v, f, h) for v in points]
+    changes += [[_values_with_strength_step(system, v, f, h) for v in points]
                 for f, h in zip(terms, steps, strict=True)]  # fmt: skip
     found = rms_forces(problem.kernel, model.passes, points, changes, model.noise)
     own = dict(zip((c.name for c in causes), found, strict=False))
@@ -42,7 +42,9 @@ def _values_without_cause(system: System, values: Float, cause: Candidate) -> Fl
     return out
 
 
-def _values_with_strength(system: System, values: Float, free: FreeParameter, step: float) -> Float:
+def _values_with_strength_step(
+    system: System, values: Float, free: FreeParameter, step: float
+) -> Float:
     out = values.copy()
     out[system.slot[free.name]] += step
     return out

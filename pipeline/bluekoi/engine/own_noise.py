@@ -54,7 +54,7 @@ def refit_without_discrepancy(problem: CauseSearchProblem, model: FittedCauseSet
 
 def is_likelier_under(problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise) -> bool:
     """Whether the trials are likelier at a set's numbers under another noise than under its own."""
-    points = _most_probable_points(problem, model)
+    points = _trial_vectors_with_command_errors(problem, model)
     own, other = (total_log_likelihood(filter_all(problem.kernel, problem.series, points, n))
                   for n in (model.noise, noise))  # fmt: skip
     return other > own
@@ -68,7 +68,7 @@ def _noise_and_fit_round(
     """
     if not model.usable:
         return model
-    points = _most_probable_points(problem, model)
+    points = _trial_vectors_with_command_errors(problem, model)
     effects = model.effects(problem)
     at_fit = effects is not None and effects.size == 0  # the points are those of the fit
     found = estimate_noise_model(problem.kernel, problem.series, points, model.noise, rounds=steps,
@@ -80,7 +80,9 @@ def _noise_and_fit_round(
     return max(model, again, key=lambda m: m.log_joint)
 
 
-def _most_probable_points(problem: CauseSearchProblem, model: FittedCauseSet) -> list[Float]:
+def _trial_vectors_with_command_errors(
+    problem: CauseSearchProblem, model: FittedCauseSet
+) -> list[Float]:
     """Full parameter vectors of the trials at a set's numbers, with the most probable errors of the
     commands in each trial: an error that lasts is not to be counted as a random force as well.
     """

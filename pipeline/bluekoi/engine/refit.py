@@ -192,7 +192,7 @@ def strength_starts(problem: CauseSearchProblem, candidate: Candidate) -> tuple[
     return problem.kernel.system.effect(candidate.name).starts
 
 
-def likeliest_start(
+def likeliest_strength_start(
     problem: CauseSearchProblem, near: FittedCauseSet, cause: str
 ) -> dict[str, float]:
     """Label -> the start of a cause's first strength at which the trials are likeliest, all else as

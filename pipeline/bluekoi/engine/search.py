@@ -17,13 +17,13 @@ import numpy as np
 
 from .candidates import Candidate
 from .collinear_terms import collinear_terms
-from .evidence import log_evidence_with_shares, log_prior, most_probable_shares
+from .evidence import log_evidence_at_discrepancy_shares, log_prior, most_probable_shares
 from .expansion import (
     LikelihoodExpansion,
-    expand_in_all_forms,
     expand_likelihood,
-    expansion_in_likeliest_forms,
+    expand_likelihood_in_all_forms,
     likely_strengths,
+    restricted_to_likeliest_forms,
 )
 from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FittedCauseSets
 from .own_noise import fit_own_noise, is_likelier_under, small_force_noise
@@ -63,13 +63,13 @@ def ranked_proposals(
         return []
     own = columns_of_cause_set(problem, expansion, causes)
     shares = most_probable_shares(expansion, own)
-    before = log_evidence_with_shares(expansion, own, shares)
+    before = log_evidence_at_discrepancy_shares(expansion, own, shares)
     out: list[tuple[float, str]] = []
     for candidate in among:
         if candidate.name in causes or not expansion.strengths[candidate.name]:
             continue
         lay = columns_of_cause_set(problem, expansion, (*causes, candidate.name))
-        after = log_evidence_with_shares(expansion, lay, shares)
+        after = log_evidence_at_discrepancy_shares(expansion, lay, shares)
         gain = after - before + log_prior(problem, [candidate.name])
         out.append((float(gain) if np.isfinite(gain) else -np.inf, candidate.name))
     return sorted(out, key=lambda o: -o[0])
@@ -138,10 +138,10 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
     """
     first = fit_own_noise(problem, fit_set(problem, (), problem.noise, start))
     problem.check_baseline(first.noise, first.passes)
-    whole, tried = expand_in_all_forms(problem, first)
+    whole, tried = expand_likelihood_in_all_forms(problem, first)
     if not whole.usable:
         raise np.linalg.LinAlgError("the model without causes runs away")
-    expansion = expansion_in_likeliest_forms(problem, whole, tried)
+    expansion = restricted_to_likeliest_forms(problem, whole, tried)
     problem = replace(problem, collinear_terms=collinear_terms(problem, whole, tried),
                       residual_sizes=plausible_residual_magnitudes(problem, expansion))  # fmt: skip
     visited = FittedCauseSets(problem)

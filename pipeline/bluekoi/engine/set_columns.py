@@ -59,7 +59,7 @@ class CauseSetColumns:
 
 
 @dataclass(frozen=True)
-class _Column:
+class _CauseSetColumn:
     """One column of a set: its place in the expansion, prior precision, value at the expansion."""
 
     index: int
@@ -74,16 +74,16 @@ def columns_of_cause_set(
 ) -> CauseSetColumns:
     """`CauseSetColumns` of a set of causes in an expansion about any set."""
     values, count = expansion.model.fit.values, len(problem.coefficients)
-    columns = [_Column(i, 0.0, gaussian=False, at=float(values[i])) for i in range(count)]
+    columns = [_CauseSetColumn(i, 0.0, gaussian=False, at=float(values[i])) for i in range(count)]
     blocks: dict[str, np.ndarray] = {}
     for cause in causes:
         inside = cause in expansion.model.causes
-        strengths, forms = (_fitted_columns if inside else _further_columns)(
+        strengths, forms = (_fitted_columns if inside else _columns_of_unexpanded_cause)(
             problem, expansion, problem.by_name[cause]
         )
         blocks[cause] = np.arange(len(columns), len(columns) + len(strengths))
         columns += [*strengths, *forms]
-    relative = _relative_deviations(problem, expansion, causes)
+    relative = _discrepancy_strength_scales(problem, expansion, causes)
     columns += _discrepancy_columns(problem, expansion, relative)
     columns += _tolerance_columns(problem, expansion, causes)
     system = problem.kernel.system
@@ -126,7 +126,7 @@ def precisions_with_shares(
 
 def _fitted_columns(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, candidate: Candidate
-) -> tuple[list[_Column], list[_Column]]:
+) -> tuple[list[_CauseSetColumn], list[_CauseSetColumn]]:
     """Strengths and forms of a cause that is in the expanded set.
 
     The likelihood of a fit includes normal priors of forms; one that is uniform between bounds
@@ -136,30 +136,31 @@ def _fitted_columns(
     place = {f.label: i for i, f in enumerate(model.fit.free)}
     own = [f for f in candidate.strengths if f.label in place]
     sizes = plausible_strengths(problem, candidate.name)[: len(own)]
-    strengths = [_Column(place[f.label], size**-2.0, False, float(model.fit.values[place[f.label]]))
-                 for f, size in zip(own, sizes, strict=True)]  # fmt: skip
+    values = [float(model.fit.values[place[f.label]]) for f in own]
+    strengths = [_CauseSetColumn(place[f.label], size**-2.0, gaussian=False, at=value)
+                 for f, size, value in zip(own, sizes, values, strict=True)]  # fmt: skip
     free = [f for f in candidate.forms if f.label in place]
-    forms = [_Column(place[f.label], float(precision), True,
+    forms = [_CauseSetColumn(place[f.label], float(precision), True,
                      included=bool(np.isfinite(parameter_definition(system, f).spread)))
              for f, precision in zip(free, form_precision(system, free), strict=True)]  # fmt: skip
     return strengths, forms
 
 
-def _further_columns(
+def _columns_of_unexpanded_cause(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, candidate: Candidate
-) -> tuple[list[_Column], list[_Column]]:
+) -> tuple[list[_CauseSetColumn], list[_CauseSetColumn]]:
     """Strengths of a cause that is not in the expanded set, and the differences of its forms, which
     are as large as the strength.
     """
     columns = expansion.strengths[candidate.name]
     sizes = plausible_strengths(problem, candidate.name)
-    strengths = [_Column(i, float(size**-2.0), False)
+    strengths = [_CauseSetColumn(i, float(size**-2.0), False)
                  for i, size in zip(columns, sizes, strict=True)]  # fmt: skip
     forms = expansion.forms[candidate.name]
     if not forms:
         return strengths, []
     size = _expected_strength(problem, expansion, candidate)
-    return strengths, [_Column(i, size**-2.0, gaussian=True) for i in forms]
+    return strengths, [_CauseSetColumn(i, size**-2.0, gaussian=True) for i in forms]
 
 
 def _expected_strength(
@@ -185,7 +186,7 @@ def plausible_strengths(problem: CauseSearchProblem, cause: str) -> Float:
     return np.array([parameter_definition(system, f).typical for f in candidate.strengths])
 
 
-def _relative_deviations(
+def _discrepancy_strength_scales(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, causes: Sequence[str]
 ) -> dict[str, dict[int, float]]:
     """Cause -> column of a residual term that may stem from its formula -> strength at which the
@@ -210,7 +211,7 @@ def _discrepancy_columns(
     problem: CauseSearchProblem,
     expansion: LikelihoodExpansion,
     relative: Mapping[str, Mapping[int, float]],
-) -> list[_Column]:
+) -> list[_CauseSetColumn]:
     """Residual terms that may stem from the formula of one of the causes: their prior deviation
     makes their force `MAX_DISCREPANCY_SHARE` times that of the cause in the same channel.
     """
@@ -223,7 +224,7 @@ def _discrepancy_columns(
         for name, own in expansion.strengths.items()
         for free, column in zip(problem.by_name[name].strengths, own, strict=True)
     }
-    return [_Column(i, (MAX_DISCREPANCY_SHARE * size) ** -2.0, gaussian=True, at=fitted[i])
+    return [_CauseSetColumn(i, (MAX_DISCREPANCY_SHARE * size) ** -2.0, gaussian=True, at=fitted[i])
             for i, size in largest.items()]  # fmt: skip
 
 
@@ -247,10 +248,10 @@ def _relative_size(
 
 def _tolerance_columns(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, causes: Sequence[str]
-) -> list[_Column]:
+) -> list[_CauseSetColumn]:
     """Strengths that are 0 only within the tolerance of careful work, of causes not in the set."""
     return [
-        _Column(column, problem.tolerances[free.name] ** -2.0, gaussian=True)
+        _CauseSetColumn(column, problem.tolerances[free.name] ** -2.0, gaussian=True)
         for name, columns in expansion.strengths.items()
         if name not in causes
         for free, column in zip(problem.by_name[name].strengths, columns, strict=True)

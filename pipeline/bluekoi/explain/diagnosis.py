@@ -84,7 +84,7 @@ def reporting_compiler_errors(model: Model) -> Iterator[None]:
     except InputError:
         raise
     except Exception:
-        for where, function in _located_functions(model):
+        for where, function in _functions_with_location(model):
             if fault := _compiler_message(function):
                 raise input_error(
                     f"model '{model.name}'", f"{where}: {function.__name__}", fault,
@@ -95,7 +95,7 @@ def reporting_compiler_errors(model: Model) -> Iterator[None]:
         raise
 
 
-def _located_functions(model: Model) -> Iterator[tuple[str, Function]]:
+def _functions_with_location(model: Model) -> Iterator[tuple[str, Function]]:
     for s in model.stages:
         if s.function is not None:
             yield f"stage {s.name}", s.function

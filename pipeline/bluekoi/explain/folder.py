@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 DATA_FILE = "data.yaml"
-DATA_KEYS = ("columns", "constants", "trials")
+DATA_YAML_KEYS = ("columns", "constants", "trials")
 """Keys of data.yaml."""
 COLUMN_KEYS = ("column", "unit")
 """Keys of an entry of `columns`."""
@@ -54,7 +54,7 @@ def read_trials(model: Model, folder: Path) -> list[Trial]:
     if model.read is not None and not (folder / DATA_FILE).exists():
         return list(model.read(folder))
     settings = _read_data_yaml(folder / DATA_FILE)
-    columns = _columns_and_factors(model, settings, folder / DATA_FILE)
+    columns = _csv_columns_and_unit_factors(model, settings, folder / DATA_FILE)
     rows = settings.get("trials")
     if rows is None:
         rows = [{"file": p.name} for p in sorted(folder.iterdir()) if p.suffix.lower() == ".csv"]
@@ -87,8 +87,8 @@ def _read_data_yaml(path: Path) -> dict[str, Any]:
             tab,
         ) from None
     if not isinstance(found, dict):
-        raise input_error(path, "", type(found).__name__, f"keys {', '.join(DATA_KEYS)}")
-    _check_keys(found, DATA_KEYS, path, "")
+        raise input_error(path, "", type(found).__name__, f"keys {', '.join(DATA_YAML_KEYS)}")
+    _check_keys(found, DATA_YAML_KEYS, path, "")
     return found
 
 
@@ -103,7 +103,7 @@ def _check_keys(
                           for k in unknown])  # fmt: skip
 
 
-def _columns_and_factors(
+def _csv_columns_and_unit_factors(
     model: Model, settings: Mapping[str, Any], path: Path
 ) -> dict[str, tuple[str, float]]:
     """Time, inputs and observations -> column of the csv and factor to the model's unit."""

@@ -12,7 +12,7 @@ from ..engine.naming import UNLISTED_FORCE_LABEL
 from ..fitting import Noise, TrialSeries, filter_series, free_runs
 from ..fitting.filtering import values_with_noise_switched_on
 from ..integrate import CompiledSystem
-from ..integrate.batch import in_lanes, simulate_batch
+from ..integrate.batch import repeat_over_lanes, simulate_batch
 from .cause_search import CauseSearchResult, series_of_further_trials
 from .comparison import (
     PREDICTION_ERRORS,
@@ -186,7 +186,7 @@ def forecast(
     states = filter_series(kernel, beginning, values, noise).predicted
     count, full = len(one.times), values_with_noise_switched_on(kernel, values, noise)
     rows = (states, np.tile(full, (count, 1)), np.tile(one.constants, (count, 1)))
-    lanes = [in_lanes(row) for row in rows]
+    lanes = [repeat_over_lanes(row) for row in rows]
     observed, _ = simulate_batch(
         kernel, *lanes, times=one.times[:, None], inputs=one.inputs[:, None]
     )

@@ -25,15 +25,15 @@ from .stepping import (
     log_likelihood_change_by_step,
     longest_step_s,
 )
-from .system_assembly import AssembledSystem, assemble_system, scaled_variables
-from .trials import Trial, cut_trials, series_of_trials
+from .system_assembly import AssembledSystem, assemble_system, residual_term_variables
+from .trials import Trial, series_of_trials, split_trials_into_parts
 
 MIN_TRIALS, MIN_SEGMENTS, MIN_SEGMENT_FRAMES = 4, 4, 50
 """Fewer trials are cut into stretches, so many in all or more, of so many frames at least. Each cut
 loses the information of the state before it: no more cuts than resampling needs."""
 MAX_CAUSES_PER_SET, MAX_SAMPLES = 6, 6000
 """Causes of a set, and samples of all trials beyond which they are averaged in blocks."""
-INITIAL_RANDOM_FORCES = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))
+RANDOM_FORCE_START_GRID = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))
 """Random forces, in units of the channel, among which the first guess is chosen."""
 
 
@@ -60,7 +60,7 @@ def prepare_cause_search(
     """`PreparedCauseSearch` with the candidates of these names and all residual terms."""
     progress("time constants")
     warnings: list[str] = []
-    trials, cut = _cut_few_trials(trials)
+    trials, cut = _split_trials_where_few(trials)
     if cut:
         one = "1 recording gives" if cut == 1 else f"{cut} recordings give"
         warnings.append(f"{one} {len(trials)} stretches that serve as trials; what differs from "
@@ -106,13 +106,13 @@ def with_correlation_over_a_frame(model: Model, frame_s: float) -> Model:
     return replace(model, random_force_s=force, error_s=error)
 
 
-def _cut_few_trials(trials: Sequence[Trial]) -> tuple[Sequence[Trial], int]:
+def _split_trials_where_few(trials: Sequence[Trial]) -> tuple[Sequence[Trial], int]:
     """Trials, cut into stretches where they are few, and how many were cut."""
     if len(trials) >= MIN_TRIALS:
         return trials, 0
     shortest = min(len(t.times) for t in trials)
     count = min(-(-MIN_SEGMENTS // len(trials)), shortest // MIN_SEGMENT_FRAMES)
-    return (cut_trials(trials, count), len(trials)) if count > 1 else (trials, 0)
+    return (split_trials_into_parts(trials, count), len(trials)) if count > 1 else (trials, 0)
 
 
 def free_coefficients(model: Model, trials: Sequence[Trial]) -> tuple[FreeParameter, ...]:
@@ -136,7 +136,7 @@ def variable_scales(model: Model, trials: Sequence[Trial]) -> dict[str, float]:
     observed = {s.name: s.observed for s in model.states if s.observed}
     slopes = {s.name: s.rate_of for s in model.states if s.rate_of}
     out = {}
-    for v in scaled_variables(model):
+    for v in residual_term_variables(model):
         if v in observed:
             rows = [t.observed[observed[v]] for t in trials]
         elif v in slopes:
@@ -179,7 +179,7 @@ def stated_std(series: Sequence[TrialSeries]) -> Float:
 def initial_noise(
     kernel: CompiledSystem, series: Sequence[TrialSeries], base: Float
 ) -> Noise | None:
-    """Initial estimate of the random part: the likeliest of `INITIAL_RANDOM_FORCES`,
+    """Initial estimate of the random part: the likeliest of `RANDOM_FORCE_START_GRID`,
     errors that last as large as the stated ones. None where the model runs away with all of them.
     """
     forces = [e for e in kernel.system.effects if e.kind == "disturbance" and e.channels]
@@ -200,7 +200,7 @@ def initial_noise(
         total = sum(f.log_likelihood for f in passed)
         return float(total) if np.isfinite(total) else -np.inf
 
-    found = {size: likelihood(size) for size in (INITIAL_RANDOM_FORCES if pushed else (0.0,))}
+    found = {size: likelihood(size) for size in (RANDOM_FORCE_START_GRID if pushed else (0.0,))}
     best = max(found, key=lambda size: found[size])
     return noise(best) if np.isfinite(found[best]) else None
 

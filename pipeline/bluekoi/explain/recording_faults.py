@@ -69,7 +69,7 @@ def spike_findings(file: str, name: str, column: Float) -> list[InputIssue]:
     x = column[rows]
     if len(x) < MIN_SPIKE_SAMPLES:
         return []
-    if (code := _repeated_code(x)) is not None:
+    if (code := _missing_value_sentinel(x)) is not None:
         k = int(np.flatnonzero(x == code)[0])
         return [_spike_finding(file, name, int(rows[k]), code, x[x != code])]
     step = np.diff(x)
@@ -90,7 +90,7 @@ def _spike_finding(file: str, name: str, sample: int, value: float, others: Floa
                       "Leave the cell empty where nothing was seen.")  # fmt: skip
 
 
-def _repeated_code(x: Float) -> float | None:
+def _missing_value_sentinel(x: Float) -> float | None:
     """A value that stands several times, to the last digit, far beyond the range of all others."""
     for value in (float(x.min()), float(x.max())):
         others = x[x != value]

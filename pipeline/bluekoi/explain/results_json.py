@@ -59,7 +59,10 @@ def explanation_json(found: CauseSearchResult) -> dict[str, Any]:
 
 def verdict_sentence(found: CauseSearchResult) -> str:
     """The verdict in a sentence or two."""
-    if found.verdict == "none" and (excess := error_over_floor(found)) > MAX_NOISE_FLOOR_RATIO:
+    if (
+        found.verdict == "none"
+        and (excess := max_error_over_noise_floor(found)) > MAX_NOISE_FLOOR_RATIO
+    ):
         return (
             f"No candidate has a probability above 1/2, but free runs are wrong by {excess:.1f} "
             "times the noise floor: something is missing that no candidate describes, or a unit, a "
@@ -85,7 +88,7 @@ def _or_others(cause: NamedCause) -> str:
     return f"; or {', '.join(others)}: these trials cannot separate them" if others else ""
 
 
-def error_over_floor(found: CauseSearchResult) -> float:
+def max_error_over_noise_floor(found: CauseSearchResult) -> float:
     """Largest ratio of the error of free runs of the baseline to the noise floor; 0 unknown."""
     held = found.held_out
     ratios = [held.baseline[n] / floor for n, floor in held.noise_floor.items()

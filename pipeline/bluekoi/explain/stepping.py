@@ -9,7 +9,7 @@ import numpy as np
 from ..data import Float
 from ..fitting import FilterResults, Noise, TrialSeries, filter_all
 from ..integrate import LANES, CompiledSystem
-from ..integrate.batch import in_lanes, simulate_batch
+from ..integrate.batch import repeat_over_lanes, simulate_batch
 
 RATE_INTERVAL_S, STATE_DIFFERENCE = 1e-6, 1e-4
 """Interval over which a rate is taken, s, and difference of a state in its standard deviations."""
@@ -18,7 +18,7 @@ MAX_LINEARISED_STATES = 200
 STEP_PER_TIME_CONSTANT = 1.0
 """Runge and Kutta's fourth-order step is stable up to 2.78 time constants, and exact to 0.007 of a
 decay over one. What that does to a likelihood is checked (`log_likelihood_change_by_step`)."""
-LONGEST_STEP_S = 0.5
+DEFAULT_MAX_INTEGRATION_STEP_S = 0.5
 """Longest integration step, s, of a model without fast dynamics."""
 MAX_LOG_LIKELIHOOD_CHANGE = 0.5
 """Log likelihood that a step of half the length may change."""
@@ -47,10 +47,10 @@ def jacobians(
     """Slopes (frames, own states, own states) of the rates of change by the model's own states."""
     own = len(kernel.system.states)
     out = np.zeros((len(frames), own, own))
-    fixed = [in_lanes(np.tile(row, (len(frames), 1))) for row in (values, one.constants)]
+    fixed = [repeat_over_lanes(np.tile(row, (len(frames), 1))) for row in (values, one.constants)]
     for first in range(0, own, LANES - 1):
         columns = range(first, min(own, first + LANES - 1))
-        lanes = in_lanes(states)
+        lanes = repeat_over_lanes(states)
         for lane, k in enumerate(columns, start=1):
             lanes[:, k, lane] += STATE_DIFFERENCE
         _, after = simulate_batch(
@@ -66,7 +66,9 @@ def jacobians(
 
 def longest_step_s(rate_per_s: float) -> float:
     """Integration step for a model whose fastest time constant is 1 / rate."""
-    return float(min(LONGEST_STEP_S, STEP_PER_TIME_CONSTANT / max(rate_per_s, 1e-9)))
+    return float(
+        min(DEFAULT_MAX_INTEGRATION_STEP_S, STEP_PER_TIME_CONSTANT / max(rate_per_s, 1e-9))
+    )
 
 
 def log_likelihood_change_by_step(

@@ -71,7 +71,7 @@ def assemble_system(
     system = System(
         model.name,
         states=tuple(s.name for s in model.states),
-        constants=(*(c.name for c in model.constants), *scale_names(model)),
+        constants=(*(c.name for c in model.constants), *scale_constant_names(model)),
         inputs=tuple(i.name for i in model.inputs),
         coefficients=tuple(model.coefficients),
         stages=tuple(replace(s, open=True) if s.name == OBSERVE_STAGE else s for s in model.stages),
@@ -88,16 +88,16 @@ def assemble_system(
     )
 
 
-def scaled_variables(model: Model) -> tuple[str, ...]:
+def residual_term_variables(model: Model) -> tuple[str, ...]:
     """States and inputs that residual terms depend on."""
     if model.force is None:
         return ()
     return tuple(x.name for x in model.variables)
 
 
-def scale_names(model: Model) -> tuple[str, ...]:
+def scale_constant_names(model: Model) -> tuple[str, ...]:
     """Constants that hold the typical size of each variable."""
-    return tuple(f"scale_{v}" for v in scaled_variables(model))
+    return tuple(f"scale_{v}" for v in residual_term_variables(model))
 
 
 def residual_terms(model: Model) -> list[ResidualTerm]:
@@ -109,7 +109,7 @@ def residual_terms(model: Model) -> list[ResidualTerm]:
     out: list[ResidualTerm] = []
     for c in model.channels:
         out.append(ResidualTerm(f"{c}_constant", c, CONSTANT_VARIABLE, "{k}"))
-        for v in scaled_variables(model):
+        for v in residual_term_variables(model):
             q = f"({v} / scale_{v})"
             if v in angles:
                 forms = {"sin": f"sin_cos({v})[0]", "cos": f"sin_cos({v})[1]"}
@@ -188,7 +188,7 @@ def _ornstein_uhlenbeck_source(name: str, states: list[str], outputs: list[str])
 def _residual_source(model: Model, terms: list[ResidualTerm]) -> list[str]:
     stage = model.force
     assert stage is not None
-    variables = scaled_variables(model)
+    variables = residual_term_variables(model)
     angles = {t.variable for t in terms if "sin_cos" in t.expression}
     given = [*variables, *(f"scale_{v}" for v in variables if v not in angles),
              *(t.name for t in terms)]  # fmt: skip
@@ -260,6 +260,6 @@ def _residual_effect(
         {model.force.name: module.residual},
         module.__name__,
         model.channels,
-        scaled_variables(model),
+        residual_term_variables(model),
         strengths=len(terms),
     )

@@ -14,10 +14,10 @@ from ..fitting import TrialSeries
 from .model import Model
 from .recording_faults import duplicate_recordings, samples_after_gaps, spike_findings
 from .sampling import averaged_to_rate
-from .system_assembly import AssembledSystem, scale_names
+from .system_assembly import AssembledSystem, scale_constant_names
 
 FIT_ROLE, HELD_OUT_ROLE, MIN_SAMPLES = "fit", "held_out", 3
-MIN_PART_SAMPLES = 8
+MIN_SAMPLES_BETWEEN_GAPS = 8
 """Samples of a part between gaps from which its initial state can be estimated."""
 MAX_VALUE = 1e12
 MIN_JUMP_IN_DEGREES = 300.0
@@ -188,7 +188,7 @@ def as_trial_series(
     seen = np.column_stack([trial.observed[o.name] for o in model.observations])
     inputs = np.column_stack([trial.inputs[i.name] for i in model.inputs] or [np.zeros((n, 0))])
     constants = [trial.constants.get(c.name, c.value) for c in model.constants]
-    constants += [scales.get(name, 1.0) for name in scale_names(model)]
+    constants += [scales.get(name, 1.0) for name in scale_constant_names(model)]
     mean, cov = initial_state_mean_and_cov(model, assembly, trial.times, seen)
     for name, value in trial.start.items():
         mean[system.states.index(name)] = value
@@ -240,7 +240,7 @@ def cut_at_gaps(model: Model, trials: Sequence[Trial]) -> list[Trial]:
     out = []
     for t in trials:
         edges = [0, *(samples_after_gaps(t.times).tolist() if model.inputs else ()), len(t.times)]
-        parts = [(a, b) for a, b in pairwise(edges) if b - a >= MIN_PART_SAMPLES]
+        parts = [(a, b) for a, b in pairwise(edges) if b - a >= MIN_SAMPLES_BETWEEN_GAPS]
         if len(edges) == 2 or not parts:
             out.append(t)
             continue
@@ -264,7 +264,7 @@ def _part_of_trial(t: Trial, a: int, b: int, *, name: str, condition: str) -> Tr
     )  # fmt: skip
 
 
-def cut_trials(trials: Sequence[Trial], count: int) -> list[Trial]:
+def split_trials_into_parts(trials: Sequence[Trial], count: int) -> list[Trial]:
     """Trials cut into stretches of equal duration, `count` of each, all of them conditions of their
     own: one long recording gives no other way to see how numbers vary.
     """

@@ -30,11 +30,12 @@ def check_unused_numbers(model: Model) -> list[InputIssue]:
 
 def _is_used(argument: str, functions: Sequence[Function]) -> bool:
     return any(
-        argument in names_of_arguments(f) and argument in set(_names_read(f)) for f in functions
+        argument in names_of_arguments(f) and argument in set(_local_names_read_by_function(f))
+        for f in functions
     )
 
 
-def _names_read(function: Function) -> Iterator[str]:
+def _local_names_read_by_function(function: Function) -> Iterator[str]:
     """Local names that a function reads; all its arguments where it has no bytecode."""
     code = getattr(function, "__code__", None)
     if code is None:

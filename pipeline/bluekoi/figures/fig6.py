@@ -17,9 +17,9 @@ from .drawing.groups import ConditionMean
 from .drawing.model_sweeps import (
     FitAtPower,
     PredictionSweep,
-    radii_over_angle,
-    radii_over_length,
     speed_from_rest,
+    turn_radii_over_head_angle,
+    turn_radii_over_head_length,
     turn_radius,
     with_extrapolated_powers,
 )
@@ -58,12 +58,12 @@ def render_figure(campaign: Campaign) -> Figure:
     _draw_speeds(axes[0], campaign, rows, styles)
     _draw_radius_over_angle(axes[1], campaign, rows, styles)
     _draw_radius_over_length(axes[2], campaign, rows, styles)
-    handles = [*axes[0].get_legend_handles_labels()[0], *_add_legend()]
+    handles = [*axes[0].get_legend_handles_labels()[0], *_legend_entries()]
     figure.legend(handles=handles, loc="outside upper center", ncols=(len(handles) + 1) // 2)
     return figure
 
 
-def _add_legend() -> list[Artist]:
+def _legend_entries() -> list[Artist]:
     """Legend entries of what is not a power."""
     return [
         Line2D([], [], color="0.35", marker="o", ls="", label="measured mean"),
@@ -110,7 +110,11 @@ def _draw_radius_over_angle(
     head = campaign.study.setup.robot.head_length_m
     for row in rows.values():
         _draw_prediction(
-            axes, ANGLES_DEG, radii_over_angle(campaign, row, head, ANGLES_DEG), row, styles=styles
+            axes,
+            ANGLES_DEG,
+            turn_radii_over_head_angle(campaign, row, head, ANGLES_DEG),
+            row,
+            styles=styles,
         )
     seen = [m for m in groups.radius_means(campaign) if abs(m.head_length_m - head) < 1e-6]
     _draw_measured_means(axes, seen, [m.angle_deg for m in seen], styles)
@@ -128,7 +132,11 @@ def _draw_radius_over_length(
         return
     for row in rows.values():
         _draw_prediction(
-            axes, LENGTHS_M, radii_over_length(campaign, row, LENGTHS_M, angle), row, styles=styles
+            axes,
+            LENGTHS_M,
+            turn_radii_over_head_length(campaign, row, LENGTHS_M, angle),
+            row,
+            styles=styles,
         )
     seen = [m for m in groups.radius_means(campaign) if m.angle_deg == angle]
     _draw_measured_means(axes, seen, [m.head_length_m for m in seen], styles)

@@ -169,12 +169,14 @@ def _binned_means(x: Sequence[Float], y: Sequence[Float]) -> tuple[Float, Float,
     else:
         low, high = np.quantile(every, (0.01, 0.99))
         edges = np.linspace(float(low), float(high), MAX_BINS + 1)
-    table = np.array([_bin(x, y, edges[i], edges[i + 1]) for i in range(len(edges) - 1)])
+    table = np.array(
+        [_bin_mean_and_std(x, y, edges[i], edges[i + 1]) for i in range(len(edges) - 1)]
+    )
     table = table[np.isfinite(table[:, 1])]
     return table[:, 0], table[:, 1], table[:, 2]
 
 
-def _bin(
+def _bin_mean_and_std(
     x: Sequence[Float], y: Sequence[Float], low: float, high: float
 ) -> tuple[float, float, float]:
     found = [(a[at], b[at]) for a, b in zip(x, y, strict=True) for at in [(a >= low) & (a < high)]]

@@ -43,7 +43,7 @@ def parametric_bootstrap(  # noqa: PLR0917
         state[:, slots] += sigma * np.sqrt(1 - decay**2) * normal
         following = min(k + 1, times.shape[1] - 1)
         seen, states = simulate_batch(
-            kernel, _over_lanes(state), _over_lanes(points), _over_lanes(constants),
+            kernel, *map(_repeat_rows_over_lanes, (state, points, constants)),
             times=times[:, [k, following]], inputs=inputs[:, [k, following]], keep_states=True,
         )  # fmt: skip
         observed[:, k], state = seen[:, 0, :, 0], states[:, 1, :, 0].copy()
@@ -60,5 +60,5 @@ def _with_white_noise(
     return replace(one, seen=np.where(np.isfinite(one.seen), observed + white, np.nan))
 
 
-def _over_lanes(rows: Float) -> Float:
+def _repeat_rows_over_lanes(rows: Float) -> Float:
     return np.repeat(rows[:, :, None], LANES, axis=2)

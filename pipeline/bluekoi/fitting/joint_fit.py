@@ -114,7 +114,10 @@ def fit_parameters_jointly(
         whole = longest < (1 - 1e-9) * radius
         if _is_small(normal, step, tolerance * (1.0 if whole else RESTRICTED_TOLERANCE)):
             if whole:
-                x, normal = np.clip(x + step, lower, upper), _normal_after_step(normal, step)
+                x, normal = (
+                    np.clip(x + step, lower, upper),
+                    _normal_equations_after_step(normal, step),
+                )
             outcome = CONVERGED
             break
         trial = np.clip(x + step, lower, upper)
@@ -153,7 +156,9 @@ def _effects_after_step(normal: NormalEquationsByTrial, step: Float) -> Float:
     return normal.effects.values + normal.effects.slopes @ step
 
 
-def _normal_after_step(normal: NormalEquationsByTrial, step: Float) -> NormalEquationsByTrial:
+def _normal_equations_after_step(
+    normal: NormalEquationsByTrial, step: Float
+) -> NormalEquationsByTrial:
     """The normal equations a step further, by their own parabola."""
     bend = normal.hessian @ step
     return replace(

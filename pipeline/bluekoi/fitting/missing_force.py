@@ -71,7 +71,7 @@ def added_force(
         state, _ = rts_smooth(result)
         changed, base = (np.tile(values_with_noise_switched_on(kernel, v, noise), (len(state), 1))
                          for v in (with_, without))  # fmt: skip
-        force = _forces_of_changes(kernel, state, base, [changed], times=one.times,
+        force = _forces_of_parameter_changes(kernel, state, base, [changed], times=one.times,
                                    inputs=one.inputs,
                                    constants=np.tile(one.constants, (len(state), 1)))  # fmt: skip
         out.append(force[:, :, 0])
@@ -102,13 +102,13 @@ def rms_forces(
     most, out = LANES - 1 - len(disturbance_slots(kernel, acting=True)), []
     for begin in range(0, len(changes), most):
         some = [of_frames(change) for change in changes[begin : begin + most]]
-        force = _forces_of_changes(kernel, state, base, some, times=times, inputs=inputs,
+        force = _forces_of_parameter_changes(kernel, state, base, some, times=times, inputs=inputs,
                                    constants=constants)  # fmt: skip
         out.append(np.sqrt(np.mean(force**2, axis=0)).T)
     return np.concatenate(out) if out else np.zeros((0, LANES - 1 - most))
 
 
-def _forces_of_changes(
+def _forces_of_parameter_changes(
     kernel: CompiledSystem, state: Float, base: Float, changed: Sequence[Float], *, times: Float,
     inputs: Float, constants: Float,
 ) -> Float:  # fmt: skip

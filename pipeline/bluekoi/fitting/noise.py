@@ -21,7 +21,7 @@ from .linear import (
 )
 from .series import Noise, TrialSeries
 
-MIN_STRENGTH = 1e-9
+MIN_NOISE_STRENGTH = 1e-9
 LOG_LIKELIHOOD_IF_DIVERGED = -1e12
 MAX_LOG_CHANGE = 4.0
 """Strengths and correlation times are estimated within a factor of e^4 of their start."""
@@ -63,7 +63,7 @@ def estimate_noise_model(
     def noise_of(logs: Float) -> Noise:
         return _with_estimates(kernel, noise, estimated, np.exp(logs))
 
-    logs, width = np.log([max(_noise_vector(noise)[k], MIN_STRENGTH) for k in estimated]), 0.7
+    logs, width = np.log([max(_noise_vector(noise)[k], MIN_NOISE_STRENGTH) for k in estimated]), 0.7
     linear = linearised(kernel, some, points, noise_of(logs), passes)
     before = _or_diverged(sum(f.log_likelihood for f in passes))
     if line_searches:

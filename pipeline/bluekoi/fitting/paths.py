@@ -154,7 +154,7 @@ def _block_normal(problem: PaddedTrials, x: Float, starts: Float) -> _BlockNorma
                            1e-4 * np.maximum(np.abs(x), problem.least_step)])  # fmt: skip
     with np.errstate(all="ignore"):  # a run that goes away has no finite cost and is not taken
         parts = [
-            _error_and_slope_products(
+            _residual_and_jacobian_products(
                 problem, slice(first, first + TRIALS_PER_CALL), x, size, starts=starts
             )
             for first in range(0, len(starts), TRIALS_PER_CALL)
@@ -168,7 +168,7 @@ def _block_normal(problem: PaddedTrials, x: Float, starts: Float) -> _BlockNorma
                   products[:, 0, 0] + np.sum(pull**2, axis=1))  # fmt: skip
 
 
-def _error_and_slope_products(
+def _residual_and_jacobian_products(
     problem: PaddedTrials, trials: slice, x: Float, size: Float, *, starts: Float
 ) -> Float:
     """Products (t, 1 + s, 1 + s) of errors and of differences `size` of some trials: one call."""

@@ -18,7 +18,7 @@ from .gram import set_whitened_products
 from .series import FreeParameter, Noise
 
 CHANGES_PER_BLOCK = LANES - 1
-DIFFERENCE_SHARE = 1e-6
+RELATIVE_FINITE_DIFFERENCE_STEP = 1e-6
 """Relative size of differences: predictions are exact to 1e-12 and curved over one standard
 deviation, which may be a thousandth of a number.
 """
@@ -46,11 +46,12 @@ def slots_by_name(kernel: CompiledSystem) -> dict[str, int]:
 def difference_step(kernel: CompiledSystem, free: FreeParameter, value: float) -> float:
     """Size of the difference in a free number, away from its upper bound.
 
-    A share `DIFFERENCE_SHARE` of the number, or of a twentieth of its plausible magnitude.
+    A share `RELATIVE_FINITE_DIFFERENCE_STEP` of the number, or of a twentieth of its plausible
+    magnitude.
     """
     parameter = kernel.system.parameters[slots_by_name(kernel)[free.name]]
     typical = parameter.typical if np.isfinite(parameter.typical) else 0.0
-    step = DIFFERENCE_SHARE * max(abs(value), 0.05 * typical, 1e-6)
+    step = RELATIVE_FINITE_DIFFERENCE_STEP * max(abs(value), 0.05 * typical, 1e-6)
     return -step if value + step > parameter.upper else step
 
 

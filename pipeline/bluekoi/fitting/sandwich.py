@@ -55,7 +55,7 @@ class ClusterInfluence:
         0 where single trials alone hold more than `MAX_SINGLE_TRIAL_SHARE` of it.
         """
         c = direction[self.move] @ self.root
-        if not np.any(c) or _single_trial_share(self.leverage, c) > MAX_SINGLE_TRIAL_SHARE:
+        if not np.any(c) or _single_trial_variance_share(self.leverage, c) > MAX_SINGLE_TRIAL_SHARE:
             return 0.0
         return _satterthwaite_df(self.leverage, self.expected, self.adjustment, c)
 
@@ -206,7 +206,7 @@ def _cr2_adjustment(leverage: Float, expected: Float) -> Float:
     return np.where(seen, size, 0.0)[:, None, :] * axes @ inverse @ onto.mT
 
 
-def _single_trial_share(leverage: Float, direction: Float) -> float:
+def _single_trial_variance_share(leverage: Float, direction: Float) -> float:
     """Share of the naive variance of a direction (m,) in directions that one trial alone holds."""
     values, vectors = np.linalg.eigh(leverage)
     held = (direction @ vectors)[values > 1.0 - MIN_INFORMATION_SHARE_LEFT]

@@ -79,8 +79,9 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
                 _multiply_into(U, A, AP)
                 for i in range(a):
                     d[0, i] = after[k - 1, i] - correction[t, k - 1, i] + level[t, k - 1, i]
-                _add_process_slopes(u[0], U, AP, F[t, k], d[0], filtered[k - 1], tau, variance[t],
-                                    memory, dt, by_variance[t], by_memory[t])  # fmt: skip
+                _add_process_noise_score(u[0], U, AP, F[t, k], d[0], filtered[k - 1], tau,
+                                         variance[t], memory, dt, by_variance[t],
+                                         by_memory[t])  # fmt: skip
                 _transpose_multiply_into(A, AP, U)
                 _apply_transpose(A, u)
         for i in range(a):
@@ -215,7 +216,7 @@ def _add_observation_terms(u, U, H, BH, v, Vg) -> None:  # type: ignore[no-untyp
 
 
 @njit_nogil_fast
-def _add_process_slopes(  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def _add_process_noise_score(  # type: ignore[no-untyped-def]  # noqa: PLR0917
     u, U, UA, F, d, P, tau, variance, memory, dt, by_variance, by_memory
 ):
     """What a step says on the variances and memories of its random states.

@@ -47,7 +47,7 @@ def marginal_products_at_effects(
     more = [*changes, *trial_effect_changes(kernel, points, noise)]
     at = points_with_effects(kernel, points, effects, noise)
     products = whitened_products(kernel, passes, at, more, noise)
-    return marginal_products(_about_no_effect(products, effects), stds)
+    return marginal_products(_products_without_trial_effects(products, effects), stds)
 
 
 def _most_probable_effects(
@@ -62,7 +62,7 @@ def _most_probable_effects(
     for _ in range(NEWTON_STEPS):
         at = points_with_effects(kernel, points, found, noise)
         products = whitened_products(kernel, passes, at, changes, noise)
-        found = marginal_products(_about_no_effect(products, found), stds)[2].values
+        found = marginal_products(_products_without_trial_effects(products, found), stds)[2].values
     return found
 
 
@@ -89,7 +89,7 @@ def drawn_trial_effects(known: Float, trials: Sequence[str], rng: np.random.Gene
     return np.array([drawn[name] for name in trials])
 
 
-def _about_no_effect(products: Float, effects: Float) -> Float:
+def _products_without_trial_effects(products: Float, effects: Float) -> Float:
     """Products (t, n, n) whose errors e, found at effects b, are those without: e + Z b."""
     q = effects.shape[1]
     if q == 0:

@@ -20,7 +20,7 @@ RecordedPixels = npt.NDArray[np.uint8]
 MIN_PRESENT_SHARE = 0.5
 """Numbers in file names count frames if so many of the frames between the first and the last are
 there; otherwise (times of day, for example) the pictures follow each other."""
-MAX_DIGITS = 12
+MAX_FILE_NUMBER_DIGITS = 12
 """Digits of a number in a file name that are read, its last ones."""
 
 
@@ -76,7 +76,7 @@ def picture_numbers(paths: Sequence[Path]) -> tuple[int, ...]:
     found = [re.findall(r"\d+", path.stem) for path in paths]
     if len(paths) < 2 or not all(found):
         return in_order
-    steps = np.diff(np.array([int(digits[-1][-MAX_DIGITS:]) for digits in found]))
+    steps = np.diff(np.array([int(digits[-1][-MAX_FILE_NUMBER_DIGITS:]) for digits in found]))
     if steps.min() <= 0:
         return in_order
     steps //= np.gcd.reduce(steps)

@@ -28,13 +28,13 @@ def elementwise(function: Callable[..., Any]) -> Callable[..., Any]:
         called = names.get(name)
         if isinstance(called, FunctionType):
             names[name] = elementwise(called)
-    names |= {"min": _smallest, "max": _largest, "math": _MATH_OF_ARRAYS}
+    names |= {"min": _elementwise_min, "max": _elementwise_max, "math": _MATH_OF_ARRAYS}
     return FunctionType(function.__code__, names, function.__name__, function.__defaults__)
 
 
-def _smallest(*values: Any) -> Any:
+def _elementwise_min(*values: Any) -> Any:
     return reduce(np.minimum, values)
 
 
-def _largest(*values: Any) -> Any:
+def _elementwise_max(*values: Any) -> Any:
     return reduce(np.maximum, values)

@@ -24,15 +24,17 @@ MAX_INTEGRATION_STEP_S = 1 / 60
 
 def active_effects(system: System, values: Float) -> np.ndarray:
     """Which effects any of the parameter vectors `(..., parameters)` uses, uint8 `(effects,)`."""
-    return _active_in_blocks(system, values.reshape(1, -1, values.shape[-1]).swapaxes(1, 2))[0]
+    return _active_effects_by_block(system, values.reshape(1, -1, values.shape[-1]).swapaxes(1, 2))[
+        0
+    ]
 
 
 def active_effects_by_row(system: System, values: Float) -> np.ndarray:
     """Which effects each of the parameter vectors (n, parameters) uses, uint8 (n, effects)."""
-    return _active_in_blocks(system, values[:, :, None])
+    return _active_effects_by_block(system, values[:, :, None])
 
 
-def _active_in_blocks(system: System, values: Float) -> np.ndarray:
+def _active_effects_by_block(system: System, values: Float) -> np.ndarray:
     """Which effects each block of parameter vectors (blocks, parameters, n) uses, uint8 (blocks,
     effects).
     """
@@ -79,7 +81,7 @@ def simulate_batch(
     counts = np.full(blocks, n) if frames is None else np.asarray(frames)
     seen = np.zeros((blocks, n, n_obs)) if seen is None else seen
     gains = np.zeros((blocks, 0, n_states, n_obs)) if gains is None else gains
-    on = _active_in_blocks(kernel.system, values)
+    on = _active_effects_by_block(kernel.system, values)
     changes = np.flatnonzero((on[1:] != on[:-1]).any(axis=1)) + 1
     step_s = step_s or kernel.system.longest_step_s(MAX_INTEGRATION_STEP_S)
     flat = [np.ascontiguousarray(a, dtype=np.float64).ravel() for a in (state, values, constants)]
@@ -98,7 +100,7 @@ def simulate_batch(
     return observed, states
 
 
-def in_lanes(rows: Float) -> Float:
+def repeat_over_lanes(rows: Float) -> Float:
     """Rows (..., n) for every lane, (..., n, LANES)."""
     return np.repeat(rows[..., None], LANES, axis=-1)
 

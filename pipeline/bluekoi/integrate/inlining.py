@@ -108,11 +108,11 @@ def _inline_statements(
     names, statements = _arguments_and_statements(function)
     known: dict[str, ast.expr] = dict(zip(names, given, strict=True))
     for statement in statements[:-1]:
-        known |= _assigned_values(statement, _Writer(known, function, lines))
+        known |= _assigned_values(statement, _InliningTransformer(known, function, lines))
     last = statements[-1]
     if not isinstance(last, ast.Return) or last.value is None:
         raise NotInlinable
-    return _Writer(known, function, lines).values(last.value)
+    return _InliningTransformer(known, function, lines).values(last.value)
 
 
 def _arguments_and_statements(function: Function) -> tuple[list[str], list[ast.stmt]]:
@@ -129,7 +129,7 @@ def _arguments_and_statements(function: Function) -> tuple[list[str], list[ast.s
     return [a.arg for a in tree.args.args], statements
 
 
-def _assigned_values(statement: ast.stmt, writer: _Writer) -> dict[str, ast.expr]:
+def _assigned_values(statement: ast.stmt, writer: _InliningTransformer) -> dict[str, ast.expr]:
     """Names of one assignment, with what they stand for."""
     if not isinstance(statement, ast.Assign) or len(statement.targets) != 1:
         raise NotInlinable
@@ -142,7 +142,7 @@ def _assigned_values(statement: ast.stmt, writer: _Writer) -> dict[str, ast.expr
     return {n: writer.lines.hold(v, n) for n, v in zip(names, values, strict=True)}
 
 
-class _Writer(ast.NodeTransformer):
+class _InliningTransformer(ast.NodeTransformer):
     """Puts known values in, writes calls out, leaves out what is 0."""
 
     def __init__(

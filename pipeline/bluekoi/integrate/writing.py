@@ -203,11 +203,11 @@ def _rates_source(plan: _Plan) -> list[str]:
         asked = {e for name in stage_arguments(stage, ()) for e in changed.get(name, ())}
         own = [e for e in plan.effects if stage.name in e.hooks or e in asked]
         changed |= dict.fromkeys(stage.outputs, own)
-        lines += _lines_where_active(plan, own, _stage_source(plan, stage))
+        lines += _code_lines_if_effect_active(plan, own, _stage_source(plan, stage))
     for effect in plan.effects:
         if effect.rates:
             targets = [plan.rows.of(f"d_{s}") for s in effect.states]
-            lines += _lines_where_active(
+            lines += _code_lines_if_effect_active(
                 plan, [effect], _assignment_loop(plan, effect.rates, targets, effect.name)
             )
     return lines
@@ -221,11 +221,13 @@ def _observe_source(plan: _Plan) -> list[str]:
     for stage in required_stages(plan.system, observe, plan.effects):
         asking = [e for e in plan.effects if stage in required_stages(plan.system, observe, (e,))]
         found = _stage_source(plan, stage)
-        lines += found if stage in always else _lines_where_active(plan, asking, found)
+        lines += found if stage in always else _code_lines_if_effect_active(plan, asking, found)
     return lines + _stage_source(plan, observe)
 
 
-def _lines_where_active(plan: _Plan, effects: Sequence[Effect], lines: Sequence[str]) -> list[str]:
+def _code_lines_if_effect_active(
+    plan: _Plan, effects: Sequence[Effect], lines: Sequence[str]
+) -> list[str]:
     """Lines for where one of the effects is on."""
     return [f"    if {plan.on(effects)}:", *(f"    {line}" for line in lines)] if effects else []
 
@@ -238,7 +240,7 @@ def _stage_source(plan: _Plan, stage: Stage) -> list[str]:
             added = _assignment_loop(
                 plan, effect.hooks[stage.name], targets, effect.name, assign="+="
             )
-            lines += _lines_where_active(plan, [effect], added)
+            lines += _code_lines_if_effect_active(plan, [effect], added)
     return lines
 
 

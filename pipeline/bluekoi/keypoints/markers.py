@@ -64,7 +64,7 @@ def detect_keypoints(
         found = f"{len(hues)} hues"
         expected = "a hue in degrees for head_tip and two of hinge, core_center, tail_base"
         raise input_error("study.yaml", "detection.marker_hues_deg", found, expected)
-    plane, lengths = swimming_plane(setup), distance_ranges(setup, trial)
+    plane, lengths = swimming_plane(setup), keypoint_distance_ranges_bl(setup, trial)
     names = tuple(part for part in BODY_PART_NAMES if part in hues)
     times, rows = [], []
     box: tuple[int, int, int, int] | None = None
@@ -77,7 +77,7 @@ def detect_keypoints(
     return _keypoints_of_rows(np.array(times), names, np.array(rows))
 
 
-def distance_ranges(
+def keypoint_distance_ranges_bl(
     setup: StudySettings, trial: Trial
 ) -> dict[tuple[str, str], tuple[float, float]]:
     """Least and greatest distance [body lengths] of each pair of parts; head and core are rigid."""
@@ -183,7 +183,7 @@ def _dot_of_contour(
     v, u = np.indices(patch.shape)
     centre = np.array([(patch * u).sum() / total + x, (patch * v).sum() / total + y]) + corner
     radius = math.sqrt(max(cv2.contourArea(contour), float(len(contour))) / math.pi)
-    return Dot(centre, plane.body_lengths(centre[None])[0], float(total), radius)
+    return Dot(centre, plane.pixels_to_body_lengths(centre[None])[0], float(total), radius)
 
 
 def _consistent_neighbours(

@@ -18,7 +18,7 @@ from ..study import StudySettings, Trial
 from .midline import detection as midline
 from .outline.absence import absence_reason
 from .outline.background import median_image, noise_level, sample_frames, without_static_robot
-from .outline.camera_motion import camera_remarks
+from .outline.camera_motion import camera_motion_remarks
 from .outline.ghost_removal import background_without_robot
 from .outline.learning import LearnedTemplate, learn_template
 from .outline.plane import SwimmingPlaneMap, in_body_lengths, swimming_plane
@@ -30,7 +30,7 @@ from .outline.tracking import DetectionScene, OutlineFit, track_robot
 USES_STATED_LENGTHS = True
 """Keypoints lie at the robot's lengths of study.yaml: their distances measure nothing. What is
 measured is the whole length (`Keypoints.length_seen`)."""
-SAMPLE_COUNTS = (5, 15)
+SCENE_SAMPLE_FRAME_COUNTS = (5, 15)
 GOOD_SUPPORT = 0.9
 MIN_SUPPORT_SCORE = 0.6
 MIN_SCENE_SUPPORT_SHARE = 0.4
@@ -51,8 +51,8 @@ def detect_keypoints(
     Raises: InputError where the footage holds no frame.
     """
     plane = swimming_plane(setup)
-    again = _repeatable(frames)
-    samples = sample_frames(again(), SAMPLE_COUNTS[0])
+    again = _repeatable_frame_source(frames)
+    samples = sample_frames(again(), SCENE_SAMPLE_FRAME_COUNTS[0])
     if not samples:
         raise input_error(trial.source, "", "no frames", "footage with frames")
     if setup.detection.body == "bending":
@@ -120,7 +120,7 @@ def _detect_bending_body(
     if body is None or not (body.bends or setup.detection.body == "bending"):
         return None
     found = midline.detect_keypoints(frames(), body, setup.robot, trial)
-    return replace(found, remarks=(*camera_remarks(samples, plane), *found.remarks))
+    return replace(found, remarks=(*camera_motion_remarks(samples, plane), *found.remarks))
 
 
 @contextmanager
@@ -134,7 +134,9 @@ def _decode_in_background(film: Iterable[Frame]) -> Iterator[Iterable[Frame]]:
             yield frames
 
 
-def _repeatable(frames: Callable[[], Iterable[Frame]]) -> Callable[[], Iterable[Frame]]:
+def _repeatable_frame_source(
+    frames: Callable[[], Iterable[Frame]],
+) -> Callable[[], Iterable[Frame]]:
     """`frames`, called once only if what it gives can be run through again and again."""
     first = frames()
     return (lambda: first) if hasattr(first, "evenly_spaced") else frames
@@ -153,10 +155,12 @@ def learned_scene(
     """
     found: list[tuple[DetectionScene, LearnedTemplate | None]] = []
     notes: tuple[str, ...] = ()
-    for count in SAMPLE_COUNTS:
-        samples = samples if count == SAMPLE_COUNTS[0] else sample_frames(frames(), count)
+    for count in SCENE_SAMPLE_FRAME_COUNTS:
+        samples = (
+            samples if count == SCENE_SAMPLE_FRAME_COUNTS[0] else sample_frames(frames(), count)
+        )
         found.append(_scene_and_template(samples, plane, setup, trial))
-        notes = camera_remarks(samples, plane)
+        notes = camera_motion_remarks(samples, plane)
         outline = found[-1][1]
         if (
             outline is not None

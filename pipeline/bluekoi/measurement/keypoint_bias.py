@@ -25,13 +25,13 @@ MOST_VISIBLE_WHERE = "all frames, fixed to the robot"
 CONFUSED_WITH = ("centre_of_mass_shift", "trim_moment", "head_angle_offset", "camera_shift")
 STRENGTH_PARAMETER_COUNT = 4
 EFFECT_PARAMETERS = (
-    Parameter("left_offset", "m", 0.003, -0.1, 0.1, "displacement to the left of the core",
+    Parameter("left_offset", "m", 0.003, -0.04, 0.04, "displacement to the left of the core",
               symbol="by"),
     Parameter("forward_offset", "m", 0.003, -0.02, 0.02, "displacement along the core",
               symbol="bx"),
-    Parameter("heading_offset", "rad", 0.01, -0.8, 0.8, "error of the observed heading",
+    Parameter("heading_offset", "rad", 0.01, -0.25, 0.25, "error of the observed heading",
               symbol="bpsi"),
-    Parameter("head_angle_offset", "rad", 0.01, -0.8, 0.8, "error of the observed head angle",
+    Parameter("head_angle_offset", "rad", 0.01, -0.35, 0.35, "error of the observed head angle",
               symbol="bphi"),
     Parameter("head_angle_share", "1", 0.0, 0.0, 1.0, "part in proportion to the turned head",
               spread=0.5, symbol="w"),

@@ -93,7 +93,7 @@ def detect_displacements(
     return out
 
 
-def with_displacements(
+def with_displacement_constants(
     kernel: CompiledSystem, series: Sequence[TrialSeries], found: Sequence[CameraDisplacement]
 ) -> list[TrialSeries]:
     """The trials with the time of their displacement, and its size relative to the most certain."""

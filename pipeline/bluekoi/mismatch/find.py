@@ -35,7 +35,11 @@ from ..model import is_residual
 from ..study import Study
 from ..study.data_split import has_trial_roles, held_out_trials
 from ..tuning import JointFit, downsampled, fit_all_trials, steady_errors, trial_kernel
-from .camera_displacement import CameraDisplacement, detect_displacements, with_displacements
+from .camera_displacement import (
+    CameraDisplacement,
+    detect_displacements,
+    with_displacement_constants,
+)
 from .drift import CameraDrift, trial_with_camera_drift
 from .extended_model import fit_extended
 from .free_run_errors import path_errors
@@ -98,8 +102,10 @@ def find_mismatch(
     averaged, coarse = downsampled(series), downsampled(series, SEARCH_RATE_HZ)
     baseline = fit_all_trials([s for s in averaged if s.name not in held_out])
     displaced, drifting = _camera_displacements_and_drift(kernel, averaged, baseline)
-    series = with_displacements(kernel, series, displaced)
-    averaged, coarse = (with_displacements(kernel, s, displaced) for s in (averaged, coarse))
+    series = with_displacement_constants(kernel, series, displaced)
+    averaged, coarse = (
+        with_displacement_constants(kernel, s, displaced) for s in (averaged, coarse)
+    )
     if not has_trial_roles(study):
         # only the trial itself determines the size of its displacement
         held_out = [name for name in held_out if name not in {d.trial for d in displaced}]

@@ -25,7 +25,7 @@ from ..tuning import JointFit
 from .missing_force_dependence import FORCE_CHANNELS, covariates
 
 BIN_COUNT, MIN_FRAMES_PER_BIN = 15, 3
-TRIAL_PARTS = 8
+PARTS_PER_TRIAL = 8
 """Parts of a trial over which its partial residuals are averaged."""
 CHANNEL_UNITS = ("N", "N", "N m")
 VARIABLES_OF_EFFECT: Mapping[str, tuple[str, ...]] = {
@@ -116,7 +116,9 @@ def partial_residuals(
 
 
 def _means_over_trial_parts(values: Float) -> Float:
-    return np.array([part.mean() for part in np.array_split(values, min(TRIAL_PARTS, len(values)))])
+    return np.array(
+        [part.mean() for part in np.array_split(values, min(PARTS_PER_TRIAL, len(values)))]
+    )
 
 
 def _cause_law(

@@ -73,7 +73,7 @@ def force_dependences(
     found = []
     for channel in range(len(units)):
         force = [y[:, channel] for y in scaled]
-        adds = _added_shares(variables, force, parts, total)
+        adds = _incremental_explained_shares(variables, force, parts, total)
         for name in variables[0]:
             explained = cv_explained_squares([v[name] for v in variables], force, parts)
             order = [int(t) for t in np.argsort(-explained) if explained[t] > 0]
@@ -83,7 +83,7 @@ def force_dependences(
     return sorted(found, key=lambda d: -d.share)
 
 
-def _added_shares(
+def _incremental_explained_shares(
     variables: Sequence[Mapping[str, Float]], force: Sequence[Float],
     parts: Sequence[np.ndarray], total: float,
 ) -> dict[str, float]:  # fmt: skip

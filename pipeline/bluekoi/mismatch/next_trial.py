@@ -79,7 +79,7 @@ def best_next_trial(
     found: list[tuple[float, str, float, float]] = []
     lengths = sorted({t.head_length_m for t in study.trials})
     conditions = [*product(flap_hz, HEAD_ANGLES_DEG, lengths)]
-    new = [c for c in conditions if not _is_filmed(study, *c)]
+    new = [c for c in conditions if not _has_trial_at_condition(study, *c)]
     for power, angle, length in new or conditions:
         paths = [
             _simulated_positions_m(
@@ -99,7 +99,7 @@ def best_next_trial(
     }
 
 
-def _is_filmed(study: Study, power: str, angle_deg: float, length_m: float) -> bool:
+def _has_trial_at_condition(study: Study, power: str, angle_deg: float, length_m: float) -> bool:
     """Whether a trial of the study has this condition, to either side."""
     return any(
         percent == float(power)

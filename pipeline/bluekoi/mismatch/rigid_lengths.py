@@ -40,7 +40,7 @@ CALIBRATION_ERROR_STD = {"lens_error": 0.0005, "uncorrected_refraction": 0.001}
 """Strengths of errors that a careful calibration leaves: those that change lengths by
 `SYSTEMATIC_LENGTH_ERROR_SHARE`, 0.05 %, about a metre from the middle (1/m2), and a depth wrong by
 2 mm seen from 1.5 m; for the published robot, others are filmed from as many body lengths."""
-PRIOR_MAGNITUDE_RATIO = 3.0
+PRIOR_STD_OVER_PLAUSIBLE_MAGNITUDE = 3.0
 """While variances are estimated, strengths have normal priors of this many plausible magnitudes:
 80 % of the Cauchy prior of a strength lies within tan(0.4 pi) = 3.1 of them."""
 MAX_TRIALS = 60
@@ -58,7 +58,7 @@ def effects_that_change_lengths(system: System) -> tuple[Effect, ...]:
                  if "observe" in e.hooks and {"x", "y"} <= set(_observe_arguments(e)))  # fmt: skip
 
 
-def length_measurement(
+def rigid_length_measurement(
     system: System, constants: Mapping[str, float], windows: RigidDistances, *, trials: int,
     depth_given: bool, systematic: float = SYSTEMATIC_LENGTH_ERROR_SHARE,
 ) -> SharedMeasurement | None:  # fmt: skip
@@ -136,7 +136,9 @@ class _LengthExcess:
         for other ones.
         """
         return np.column_stack([
-            PRIOR_MAGNITUDE_RATIO * strength.typical * self.excess(effect, (*unit, *form))
+            PRIOR_STD_OVER_PLAUSIBLE_MAGNITUDE
+            * strength.typical
+            * self.excess(effect, (*unit, *form))
             for effect in self.effects
             for form in _tried_shape_values(effect)
             for strength, unit in zip(effect.parameters, np.eye(effect.strengths), strict=False)

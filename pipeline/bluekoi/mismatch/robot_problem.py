@@ -21,7 +21,9 @@ from .camera_displacement import (
 from .wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock, with_constant_clock_error
 
 SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
-FREQUENCY_STD_SHARE = 0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
+LOGGED_FREQUENCY_STD_SHARE = (
+    0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
+)
 PRIORS = Priors(cause=0.03, unlisted=0.10, likely={"tail_fin_lift": 0.5})
 """About one of 30 causes acts in a study, one study in ten has a force that is not listed, and the
 published model cannot swim straight without a fin (docs/paper.md, Audit)."""
@@ -74,7 +76,7 @@ def robot_problem(
         base=baseline.base,
         coefficients=baseline.fit.free,
         candidates=with_constant_clock_error(candidates, series),
-        noise=replace(baseline.noise, trial_effects=_trial_effects(baseline)),
+        noise=replace(baseline.noise, trial_effects=_command_error_effects(baseline)),
         tolerances=label_offset_stds(units_of_trials(series))
         | (HOMOGRAPHY_TOLERANCES if by_homography else {}),
         state_variables=MOTION_VARIABLES,
@@ -117,12 +119,12 @@ def undetermined_cause_warnings(system: System, series: Sequence[TrialSeries]) -
     ]
 
 
-def _trial_effects(baseline: JointFit) -> tuple[TrialEffect, ...]:
+def _command_error_effects(baseline: JointFit) -> tuple[TrialEffect, ...]:
     """Errors of the commanded head angle and of the thrust, which goes with the square of the
     flapping frequency, in each trial.
     """
     thrust = abs(baseline.fit.by_label()["C_T"])
     return (
         TrialEffect("head_angle_offset.offset", float(SERVO_STD_RAD)),
-        TrialEffect("C_T", 2.0 * FREQUENCY_STD_SHARE * thrust),
+        TrialEffect("C_T", 2.0 * LOGGED_FREQUENCY_STD_SHARE * thrust),
     )

@@ -18,7 +18,9 @@ def verdict_sentence(found: MismatchResult, named: Sequence[Mapping[str, Any]]) 
     """One sentence of verdict."""
     if found.verdict == "none":
         return _no_cause_sentence(found)
-    names = " and ".join(_with_probability(c) for c in named if c["name"] != UNLISTED_FORCE_LABEL)
+    names = " and ".join(
+        _cause_with_probability_text(c) for c in named if c["name"] != UNLISTED_FORCE_LABEL
+    )
     errors = _path_error_clause(found)
     first = f"{_physics_or_measurement(named)}: {names}" if names else ""
     excess = excess_error_clause(found)
@@ -66,7 +68,7 @@ def _physics_or_measurement(named: Sequence[Mapping[str, Any]]) -> str:
     return "Measurement error" if kind == "measurement" else "Missing physics"
 
 
-def _with_probability(cause: Mapping[str, Any]) -> str:
+def _cause_with_probability_text(cause: Mapping[str, Any]) -> str:
     p = float(cause["weight"])
     return str(cause["name"]) + (f" (probability {p:.2f})" if p < MIN_UNSTATED_PROBABILITY else "")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pkgutil
+from dataclasses import replace
 from functools import lru_cache
 from importlib import import_module
 
@@ -16,9 +17,9 @@ from .similarity import (
     PUBLISHED_ROBOT,
     RobotSize,
     RobotUnits,
+    parameter_scaled_to_robot,
     robot_units,
     similar_effect,
-    similar_parameter,
 )
 
 HYDRODYNAMIC_COEFFICIENTS = (
@@ -103,7 +104,7 @@ def two_plate_system(units: RobotUnits = PUBLISHED_ROBOT) -> System:
         states=ROBOT_STATE_NAMES,
         constants=(*DYNAMICS_CONSTANT_NAMES, *observation.constant_names()),
         inputs=CONTROL_INPUT_NAMES,
-        coefficients=tuple(similar_parameter(p, units) for p in HYDRODYNAMIC_COEFFICIENTS),
+        coefficients=tuple(parameter_scaled_to_robot(p, units) for p in HYDRODYNAMIC_COEFFICIENTS),
         stages=MODEL_EQUATION_STAGES,
         observations=observation.OBSERVED_QUANTITIES,
         effects=tuple(similar_effect(e, units) for e in all_effects()),
@@ -126,5 +127,26 @@ def trial_units(constants: Float) -> RobotUnits:
 
 
 def trial_system(constants: Float) -> System:
-    """`robot_system` of the robot in a trial, by the constants (constants,) of the trial."""
-    return two_plate_system(trial_units(constants))
+    """`robot_system` of the robot in a trial, by the constants (constants,) of the trial, with the
+    refraction that its camera and pool allow.
+    """
+    names = two_plate_system().constants
+    low, high = (float(constants[names.index(n)]) for n in ("inward_min", "inward_max"))
+    return _with_refraction_between(two_plate_system(trial_units(constants)), low, high)
+
+
+@lru_cache(maxsize=64)
+def _with_refraction_between(system: System, low: float, high: float) -> System:
+    """A system whose `uncorrected_refraction` is bounded: no keypoint lies above the body or below
+    the floor. Where the range is not known, low = high, the bounds stay.
+    """
+    if not low < high:
+        return system
+    return replace(system, effects=tuple(
+        replace(e, parameters=tuple(
+            replace(p, lower=low, upper=high) if p.name == "inward_shift" else p
+            for p in e.parameters
+        ))
+        if e.name == "uncorrected_refraction" else e
+        for e in system.effects
+    ))  # fmt: skip

@@ -84,7 +84,7 @@ def unit_dimensions(unit: str) -> tuple[float, float, float]:
     return out[0], out[1], out[2]
 
 
-def similar_parameter(parameter: Parameter, units: RobotUnits) -> Parameter:
+def parameter_scaled_to_robot(parameter: Parameter, units: RobotUnits) -> Parameter:
     """A parameter of the published robot for a similar one."""
     ratio = units.ratio(parameter.unit)
     return replace(
@@ -104,7 +104,7 @@ def similar_effect(effect: Effect, units: RobotUnits) -> Effect:
     first = ratios[effect.parameters[0].name]
     return replace(
         effect,
-        parameters=tuple(similar_parameter(p, units) for p in effect.parameters),
+        parameters=tuple(parameter_scaled_to_robot(p, units) for p in effect.parameters),
         starts=tuple(first * value for value in effect.starts),
         forms={form: {name: ratios[name] * value for name, value in own.items()}
                for form, own in effect.forms.items()},

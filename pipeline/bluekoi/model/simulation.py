@@ -10,7 +10,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, compile_system
-from ..integrate.batch import MAX_INTEGRATION_STEP_S, in_lanes, simulate_batch
+from ..integrate.batch import MAX_INTEGRATION_STEP_S, repeat_over_lanes, simulate_batch
 from ..observation import CameraErrorInputs
 from ..study import Pool, Robot, Water
 from .plates import DYNAMICS_CONSTANT_NAMES, robot_system, trial_system
@@ -145,8 +145,8 @@ def simulate_at(
     _, states = simulate_batch(
         kernel,
         state,
-        in_lanes(values[None]),
-        in_lanes(trial_constants[None]),
+        repeat_over_lanes(values[None]),
+        repeat_over_lanes(trial_constants[None]),
         times=times[None],
         inputs=inputs[None],
         keep_states=True,

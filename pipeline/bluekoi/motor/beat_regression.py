@@ -7,7 +7,7 @@ import numpy as np
 from ..data import Float, Pose, Positions, is_confident
 from .shaft_angle import wrap_angle
 
-TAIL_PARTS = ("tail_tip", "tail_base", "core_center")
+TAIL_ANGLE_KEYPOINTS = ("tail_tip", "tail_base", "core_center")
 """Keypoints between which the tail's angle is measured."""
 FREQUENCIES_PER_BATCH = 256
 """Frequencies whose spectrum is computed at once, to bound memory."""
@@ -19,7 +19,7 @@ def beat_signal(source: Positions | Pose) -> tuple[Float, Float]:
     """Times and beating angle (rad) in the frames where it is seen."""
     if isinstance(source, Pose):
         angle = source.values[:, 2]
-    elif set(TAIL_PARTS) <= set(source.names):
+    elif set(TAIL_ANGLE_KEYPOINTS) <= set(source.names):
         angle = tail_angle(source)
     else:
         return np.zeros(0), np.zeros(0)
@@ -32,7 +32,7 @@ def tail_angle(positions: Positions) -> Float:
     tail = positions.part("tail_tip") - positions.part("tail_base")
     core = positions.part("tail_base") - positions.part("core_center")
     sure = is_confident(
-        positions.likelihood[:, [positions.names.index(n) for n in TAIL_PARTS]]
+        positions.likelihood[:, [positions.names.index(n) for n in TAIL_ANGLE_KEYPOINTS]]
     ).all(axis=1)
     angle = wrap_angle(np.arctan2(tail[:, 1], tail[:, 0]) - np.arctan2(core[:, 1], core[:, 0]))
     return np.where(sure, angle, np.nan)

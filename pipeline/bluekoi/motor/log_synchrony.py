@@ -57,7 +57,7 @@ def _out_of_step_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str
             if status.get("ok")}  # fmt: skip
     beats = {name: beat for name, beat in seen.items() if _has_lag(beat)}
     hz, lag = (np.array([b[key] for b in beats.values()]) for key in ("flap_hz", "beat_lag_rad"))
-    off = lags_out_of_step(hz, lag)
+    off = lag_deviations_from_majority(hz, lag)
     return [
         f"Trial {name}: the tail beats {abs(by) / (2 * np.pi * beat['flap_hz']) * 1e3:.0f} ms "
         f"{'before' if by < 0 else 'after'} the time at which the motor log and the other trials "
@@ -75,7 +75,7 @@ def _has_lag(beat: Mapping[str, Any]) -> bool:
     return bool(beat.get("agrees")) or abs(ratio - 1) < SAME_FREQUENCY_SHARE
 
 
-def lags_out_of_step(flap_hz: Float, lag_rad: Float) -> Float:
+def lag_deviations_from_majority(flap_hz: Float, lag_rad: Float) -> Float:
     """By how much the lag of each trial (n,) differs from that of most trials, rad; 0 where it is
     alike, and for all trials where no more than half of them are alike. Trials of one frequency
     that agree with each other have a common delay, or a tail that bends: they are not out of step.

@@ -45,7 +45,7 @@ CHECK_LENGTHS_REMEDY = (
 )
 
 
-def swimming_numbers(
+def dimensionless_swimming_numbers(
     steady: SteadyState, flapping: FlappingFrequency, positions: Positions, robot: Robot
 ) -> dict[str, float]:
     """Dimensionless numbers of one trial, as in `PLAUSIBLE_RANGES`; NaN where not known."""
@@ -67,15 +67,13 @@ def clock_and_length_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list
     statuses: content of status/ID.json by trial id.
     """
     good = {i: status for i, status in statuses.items() if status.get("ok")}
-    ratios = {i: f["ratio"] for i, s in good.items()
-              if (f := s.get("flapping")) and f.get("ratio") is not None
-              and not f["agrees"] and abs(f["ratio"] - 1) > CLOCK_TOLERANCE}  # fmt: skip
+    ratios = _disagreeing_clock_ratios(good)
     others = {i: s["swimming"] for i, s in good.items() if i not in ratios and s.get("swimming")}
     stopped = {
         i: f["video_hz"] for i, s in good.items()
         if (f := s.get("flapping")) and f.get("flap_hz") == 0 and not f["agrees"]
     }  # fmt: skip
-    pairs = exchanged_recordings(ratios, {i: good[i]["flapping"]["flap_hz"] for i in ratios})
+    pairs = exchanged_recordings(statuses)
     for pair in pairs:
         ratios = {i: ratio for i, ratio in ratios.items() if i not in pair}
     return [
@@ -89,14 +87,21 @@ def clock_and_length_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list
     ]
 
 
-def exchanged_recordings(
-    ratios: Mapping[str, float], motor_hz: Mapping[str, float]
-) -> list[tuple[str, str]]:
+def _disagreeing_clock_ratios(good: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
+    """Trial -> tail-beat frequency in the video over the motor's, of trials whose clocks differ."""
+    return {i: f["ratio"] for i, s in good.items()
+            if (f := s.get("flapping")) and f.get("ratio") is not None
+            and not f["agrees"] and abs(f["ratio"] - 1) > CLOCK_TOLERANCE}  # fmt: skip
+
+
+def exchanged_recordings(statuses: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str]]:
     """Pairs of trials in each of whose videos the tail beats as the motor of the other one does.
 
-    ratios: tail-beat frequency in the video over the motor's, of trials whose clocks disagree;
-    motor_hz: frequency of the motor. A trial that fits two others is in no pair.
+    statuses: content of status/ID.json by trial id. A trial that fits two others is in no pair.
     """
+    good = {i: status for i, status in statuses.items() if status.get("ok")}
+    ratios = _disagreeing_clock_ratios(good)
+    motor_hz = {i: good[i]["flapping"]["flap_hz"] for i in ratios}
     pairs = [
         (one, two) for one, two in combinations(ratios, 2)
         if all(
@@ -132,7 +137,7 @@ def tail_warnings(statuses: Mapping[str, Mapping[str, Any]], tail_length_m: floa
     ]
 
 
-def implausible_numbers(trials: Sequence[Mapping[str, float | None]]) -> str:
+def implausible_numbers_text(trials: Sequence[Mapping[str, float | None]]) -> str:
     """What lies outside `PLAUSIBLE_RANGES` in these trials, with its range, or no text."""
     parts = []
     for name, (low, high, phrase) in PLAUSIBLE_RANGES.items():
@@ -189,9 +194,9 @@ def _logged_share_warnings(shares: Mapping[str, float], of: int) -> Iterator[str
 def _implausible_swimming_warnings(
     numbers: Mapping[str, Mapping[str, float | None]], of: int
 ) -> Iterator[str]:
-    odd = [i for i, trial in numbers.items() if implausible_numbers([trial])]
+    odd = [i for i, trial in numbers.items() if implausible_numbers_text([trial])]
     if odd:
-        implausible = implausible_numbers([numbers[i] for i in odd])
+        implausible = implausible_numbers_text([numbers[i] for i in odd])
         yield f"{_trial_list_text(odd, of)}: {implausible}. {CHECK_LENGTHS_REMEDY}"
 
 

@@ -14,7 +14,7 @@ from scipy.optimize import minimize_scalar
 from ..data import FlappingFrequency, Float, Pose, Positions
 from ..data.keypoint_quality import correlation_time_samples
 from .beat_regression import (
-    TAIL_PARTS,
+    TAIL_ANGLE_KEYPOINTS,
     beat_signal,
     misfit_spectrum,
     robust_weights,
@@ -161,7 +161,7 @@ def tail_excursion(positions: Positions) -> float:
 
     2 sqrt(2) times the standard deviation of (tail tip - tail base) across the core.
     """
-    if not set(TAIL_PARTS) <= set(positions.names):
+    if not set(TAIL_ANGLE_KEYPOINTS) <= set(positions.names):
         return float("nan")
     tail = positions.part("tail_tip") - positions.part("tail_base")
     across = np.linalg.norm(tail, axis=1) * np.sin(tail_angle(positions))

@@ -25,7 +25,7 @@ MAX_DRIFT_PER_S = 0.05
 DRIFT_PHASE_STEP_RAD = 0.8
 """A step of the search for d changes the phase at the ends of the trial by this much, a quarter of
 what turns the wave around."""
-NEAR_SHARE = 0.1
+MID_TRIAL_FREQUENCY_TOLERANCE_SHARE = 0.1
 """The frequency in the middle is within this share of that of the whole trial."""
 MAX_DRIFT_BEATS = 300
 """Beats after the spin-up of which the drift is measured, to limit the computing time."""
@@ -77,7 +77,11 @@ def _coarse_optimum(
     step = DRIFT_PHASE_STEP_RAD / (np.pi * beat_hz * (0.5 * span) ** 2)
     count = int(min(MAX_DRIFT_PER_S, 1.0 / span) / step)
     drifts = step * np.arange(-count, count + 1)
-    hz = np.arange((1 - NEAR_SHARE) * beat_hz, (1 + NEAR_SHARE) * beat_hz, 0.2 / span)
+    hz = np.arange(
+        (1 - MID_TRIAL_FREQUENCY_TOLERANCE_SHARE) * beat_hz,
+        (1 + MID_TRIAL_FREQUENCY_TOLERANCE_SHARE) * beat_hz,
+        0.2 / span,
+    )
     beating = signal - background @ np.linalg.lstsq(background, signal, rcond=None)[0]
     steady = np.exp(-2j * np.pi * np.outer(hz, t))
     changing = np.exp(-1j * np.pi * beat_hz * np.outer(t**2, drifts))

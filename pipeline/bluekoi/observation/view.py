@@ -20,7 +20,8 @@ class CameraErrorInputs:
     `camera.error_displacement.CameraErrorConstants`. t_shift: time from which the camera is
     displaced (s). x_shift, y_shift: displacement beside that of the most clearly displaced trial
     (1, as a complex number). ahead: distance of the observed nose from the core's centre (m).
-    clock_part: share of an error of the frame rate that the trial has.
+    clock_part: share of an error of the frame rate that the trial has. inward_min, inward_max:
+    range of what refraction can draw in (1); not known where both are 0.
     """
 
     x_cam: float = 0.0
@@ -36,6 +37,8 @@ class CameraErrorInputs:
     y_shift: float = 0.0
     ahead: float = 0.0
     clock_part: float = 1.0
+    inward_min: float = 0.0
+    inward_max: float = 0.0
 
 
 def constant_names() -> tuple[str, ...]:
@@ -46,6 +49,8 @@ def constant_names() -> tuple[str, ...]:
 def camera_error_inputs(setup: StudySettings) -> CameraErrorInputs:
     """The view of a study's camera."""
     seen = camera_error_constants(setup)
+    low, high = seen.inward_shift_range
     return CameraErrorInputs(
-        *seen.below_m, seen.bend_1_m2, *seen.lens_m, seen.lens_rest_m2, *seen.lens_pull_m3
-    )
+        *seen.below_m, seen.bend_1_m2, *seen.lens_m, seen.lens_rest_m2, *seen.lens_pull_m3,
+        inward_min=low, inward_max=high,
+    )  # fmt: skip

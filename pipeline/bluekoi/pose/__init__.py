@@ -77,7 +77,7 @@ def _pose_from_fit(fit: PoseFit, time_s: Float) -> tuple[Float, Float]:
     values = fit.state @ change.T
     cov = change @ fit.cov @ change.T
     values[:, 2] = unwrapped_angles(values[:, 2], cov[:, 2, 2], time_s)
-    values[:, 3] = _half_turn_at_most(values[:, 3])
+    values[:, 3] = _wrap_to_half_turn(values[:, 3])
     return values, cov
 
 
@@ -110,12 +110,12 @@ def _unwrapped_mean(angle: Float, times: Float) -> Float:
     """
     if len(angle) < 2:
         return angle
-    step, span = _half_turn_at_most(np.diff(angle)), np.diff(times)
+    step, span = _wrap_to_half_turn(np.diff(angle)), np.diff(times)
     gaps = np.flatnonzero(span > GAP_STEPS * np.median(span))
     for k, later in zip(gaps, [*gaps, len(step)][1:], strict=True):
         before = slice(int(np.searchsorted(times[: k + 1], times[k] - span[k])), k)
         after = slice(k + 1, min(later, int(np.searchsorted(times, times[k + 1] + span[k]))))
-        turns = [_half_turn_at_most(step[k] - on) + on for on in (
+        turns = [_wrap_to_half_turn(step[k] - on) + on for on in (
             step[s].sum() * span[k] / span[s].sum()
             for s in (before, after) if span[s].sum() > MIN_STRETCH_SHARE * span[k])]  # fmt: skip
         if turns:
@@ -123,7 +123,7 @@ def _unwrapped_mean(angle: Float, times: Float) -> Float:
     return angle[0] + np.concatenate([[0.0], np.cumsum(step)])
 
 
-def _half_turn_at_most(angle: Float) -> Float:
+def _wrap_to_half_turn(angle: Float) -> Float:
     return -((np.pi - angle) % (2 * np.pi) - np.pi)
 
 

@@ -24,9 +24,11 @@ MIN_AGREEING_TRIALS = 2
 """Trials without which a mistake is not called common to them."""
 MAX_OTHER_ERROR_M = 0.02
 """Errors of lengths up to this one are those of keypoints, not of a key of study.yaml."""
-MAX_RADIANS = radians(120)
+MAX_STATED_HEAD_ANGLE_RAD = radians(120)
 """Largest head angle that trials.csv may state, in radians."""
-CORE_REMEDY = "Is core_center the centre of mass, and does each keypoint bear its own name?"
+CHECK_CORE_LABEL_REMEDY = (
+    "Is core_center the centre of mass, and does each keypoint bear its own name?"
+)
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ def merge_common_mistakes(study: Study, found: Sequence[InputIssue]) -> list[Inp
 
 def seems_in_radians(seen_deg: float, stated_deg: float) -> bool:
     """Whether a stated head angle is the one seen if its number is in radians."""
-    if stated_deg == 0 or abs(stated_deg) > MAX_RADIANS:
+    if stated_deg == 0 or abs(stated_deg) > MAX_STATED_HEAD_ANGLE_RAD:
         return False
     return abs(signed_turn_deg(seen_deg - degrees(stated_deg))) <= MIN_HEAD_ANGLE_DEVIATION_DEG
 
@@ -65,7 +67,7 @@ def _with_one_angle_finding(study: Study, found: Sequence[InputIssue]) -> list[I
     wrong = [one for one in found if isinstance(one, HeadAngleFinding)]
     stated = [abs(trial.head_angle_deg) for trial in study.trials]
     alike = all(seems_in_radians(one.seen_deg, one.stated_deg) for one in wrong)
-    if len(wrong) < MIN_AGREEING_TRIALS or max(stated) > MAX_RADIANS or not alike:
+    if len(wrong) < MIN_AGREEING_TRIALS or max(stated) > MAX_STATED_HEAD_ANGLE_RAD or not alike:
         return list(found)
     first = wrong[0]
     text = (
@@ -120,7 +122,7 @@ def _hinge_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
         "robot.hinge_to_com_m",
         f"{stated:g} m, while hinge to core_center measures {seen_m[1]:.3f} m {count}",
         "the same length",
-        CORE_REMEDY,
+        CHECK_CORE_LABEL_REMEDY,
     )
 
 

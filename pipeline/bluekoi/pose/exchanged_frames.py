@@ -108,7 +108,7 @@ def _fits_only_reversed(
     body = measured_rigid_lengths(xy, np.zeros_like(cov), robot, head_length_m)
     body = replace(body, offset_m=systematic_offsets(xy, body))
     cov = covariance_with_estimated_noise(xy, cov, body)
-    by_part = np.nanmedian(np.where(np.isfinite(cov), cov, np.nan), axis=0)
+    by_part = _medians_over_frames(cov)
     known = np.asarray(np.isfinite(turned[1]).all(axis=(2, 3)))
     turned_cov = np.where(known[:, :, None, None], turned[1], by_part)
     given = fit_rigid_poses(xy, cov, body).misfit
@@ -117,3 +117,13 @@ def _fits_only_reversed(
     limit = chdtri(np.maximum(degrees_of_freedom(turned[0]), 1), FALSE_ALARM_PROBABILITY)
     fits = reverse <= usual * limit
     return np.asarray(fits & (given - reverse > -2 * usual * log(FALSE_ALARM_PROBABILITY)))
+
+
+def _medians_over_frames(cov: Float) -> Float:
+    """Medians (parts, 2, 2) of covariances (n, parts, 2, 2); NaN for a part that is never seen."""
+    out = np.full(cov.shape[1:], np.nan)
+    for part in range(cov.shape[1]):
+        known = np.isfinite(cov[:, part]).all(axis=(1, 2))
+        if known.any():
+            out[part] = np.median(cov[known, part], axis=0)
+    return out

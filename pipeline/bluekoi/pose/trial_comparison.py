@@ -9,18 +9,22 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from ..data import Keypoints, Pose, Positions
+from ..data import Float, Keypoints, Pose, Positions
 from ..data.majority import deviations_from_majority
 from ..study import Robot, Study, Trial
 from .body import measured_rigid_lengths, trusted_points
 
-MIN_HEAD_ANGLE_DEVIATION_DEG = 5.0
-"""Head angles that deviate less from those of the other trials are a servo's accuracy."""
+MIN_HEAD_ANGLE_DEVIATION_DEG = 2.0
+"""Head angles that deviate less from those of the other trials are a servo's accuracy: seven times
+its usual repeatability."""
+MIN_ANGLES_FOR_GAIN = 4
+"""Different stated angles that show an error of the servo's gain beside one wrong angle."""
 MIN_PART_ERROR_SHARE, MIN_PART_ERROR_M = 0.08, 0.008
 """Error of one part's length beside the others above which the lengths of study.yaml are doubted;
 keypoints are placed more accurately than that."""
@@ -63,16 +67,23 @@ def mean_head_angle_deg(pose: Pose) -> float:
 def comparison_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """A sentence for each doubt that the trials raise together. statuses: by trial id."""
     trials = {trial.trial_id: trial for trial in study.trials}
-    seen = {
+    seen = _body_measurements(trials, statuses)
+    return [
+        *_head_angle_warnings(trials, statuses),
+        *_repeated_recording_warnings(seen),
+        *_length_warnings(study.setup.robot, trials, seen),
+    ]
+
+
+def _body_measurements(
+    trials: Mapping[str, Trial], statuses: Mapping[str, Mapping[str, Any]]
+) -> dict[str, Mapping[str, Any]]:
+    """`status_of_body_measurements` of the trials that have a track."""
+    return {
         name: record
         for name, status in statuses.items()
         if status.get("ok") and name in trials and (record := status.get("body"))
     }
-    return [
-        *_head_angle_warnings(trials, seen),
-        *_repeated_recording_warnings(seen),
-        *_length_warnings(study.setup.robot, trials, seen),
-    ]
 
 
 def stated_lengths(robot: Robot, trial: Trial) -> dict[str, float]:
@@ -92,14 +103,35 @@ def _frame_hashes(keypoints: Keypoints) -> list[str]:
     return sorted(digests)[:FRAME_HASHES]
 
 
-def _head_angle_warnings(
-    trials: Mapping[str, Trial], seen: Mapping[str, Mapping[str, Any]]
-) -> Iterator[str]:
-    angles = {n: a for n, r in seen.items() if (a := r.get("head_angle_deg")) is not None}
+@dataclass(frozen=True)
+class HeadAngleComparison:
+    """Head angles that contradict trials.csv.
+
+    angles_deg: trial -> head angle in the recording. deviating: trials that differ from the stated
+    angle otherwise than most do. exchanged: trial -> another one, where each shows the angle that
+    the other states.
+    """
+
+    angles_deg: Mapping[str, float]
+    deviating: tuple[str, ...]
+    exchanged: Mapping[str, str]
+
+    @property
+    def contradicted(self) -> tuple[str, ...]:
+        """Trials whose head angle is not the stated one."""
+        return tuple(dict.fromkeys([*self.deviating, *self.exchanged]))
+
+
+def compare_head_angles(
+    trials: Mapping[str, Trial], statuses: Mapping[str, Mapping[str, Any]]
+) -> HeadAngleComparison:
+    """Head angles in the recordings beside those of trials.csv. statuses: by trial id."""
+    angles = {n: a for n, r in _body_measurements(trials, statuses).items()
+              if (a := r.get("head_angle_deg")) is not None}  # fmt: skip
     off = {n: signed_turn_deg(a - trials[n].head_angle_deg) for n, a in angles.items()}
-    values = np.array(list(off.values()))
-    odd = deviations_from_majority(values, np.zeros(len(values)), MIN_HEAD_ANGLE_DEVIATION_DEG)
-    deviating = [name for name, by in zip(off, odd, strict=True) if by]
+    stated = np.array([trials[n].head_angle_deg for n in off])
+    residuals = _without_common_gain(np.array(list(off.values())), stated)
+    odd = deviations_from_majority(residuals, np.zeros(len(off)), MIN_HEAD_ANGLE_DEVIATION_DEG)
     wrong = [name for name, by in off.items() if abs(by) > MIN_HEAD_ANGLE_DEVIATION_DEG]
     exchanged = {
         name: other
@@ -108,10 +140,30 @@ def _head_angle_warnings(
         and _head_angle_agrees(angles[two], trials[one])
         for name, other in ((one, two), (two, one))
     }
-    for name in dict.fromkeys([*deviating, *exchanged]):
-        text = f"Trial {name}: the head is turned by {angles[name]:.0f} degrees"
+    deviating = tuple(name for name, by in zip(off, odd, strict=True) if by)
+    return HeadAngleComparison(angles, deviating, exchanged)
+
+
+def _without_common_gain(off_deg: Float, stated_deg: Float) -> Float:
+    """Differences (n,) less their part in proportion to the stated angles, which is an error of the
+    servo's gain that all trials share (slope of Theil and Sen).
+    """
+    if len(np.unique(stated_deg)) < MIN_ANGLES_FOR_GAIN:
+        return off_deg
+    one, two = (np.array(k) for k in zip(*combinations(range(len(off_deg)), 2), strict=True))
+    apart = stated_deg[two] != stated_deg[one]
+    rise, run = (v[two][apart] - v[one][apart] for v in (off_deg, stated_deg))
+    return np.asarray(off_deg - np.median(rise / run) * stated_deg)
+
+
+def _head_angle_warnings(
+    trials: Mapping[str, Trial], statuses: Mapping[str, Mapping[str, Any]]
+) -> Iterator[str]:
+    found = compare_head_angles(trials, statuses)
+    for name in found.contradicted:
+        text = f"Trial {name}: the head is turned by {found.angles_deg[name]:.0f} degrees"
         stated = f"head_angle_deg is {trials[name].head_angle_deg:g}"
-        if other := exchanged.get(name):
+        if other := found.exchanged.get(name):
             yield f"{text}, as trial {other} states, and {stated}. Are their files exchanged?"
         else:
             yield (

@@ -50,7 +50,7 @@ def _properties_of_row(folder: Path, row: Mapping[str, str]) -> FileProperties:
     return FileProperties(name, source, "; ".join(parts), size)
 
 
-def with_properties(study_yaml: str, found: Sequence[FileProperties]) -> str:
+def with_recording_property_comments(study_yaml: str, found: Sequence[FileProperties]) -> str:
     """study.yaml with the properties as comments on top and, where all agree, the image size."""
     lines = ["# Recordings found:", *(f"#   {f.trial_id}: {f.source}: {f.text}" for f in found)]
     sizes = {f.size_px for f in found if f.size_px}

@@ -28,7 +28,7 @@ ANGLE_PATTERN = re.compile(
     r"(?i)(?:^|[_\-. ])(?:head[_-]?angle|angle|phi|a)_?(m|minus|-|\+)?(\d{1,3}(?:\.\d+)?)"
     r"(?:deg)?(?=$|[_\-. ])"
 )
-FILE_NAME_VALUE_LIMITS = {"power_pct": 300.0, "head_angle_deg": 120.0}
+MAX_VALUES_IN_FILE_NAMES = {"power_pct": 300.0, "head_angle_deg": 120.0}
 """Largest values of trials.csv: a larger number in a name is something else, such as a date."""
 LOG_WORDS_PATTERN = re.compile(r"(?i)^(motor|log|angle|shaft|encoder)[_\-. ]|"
                        r"[_\-. ](motor|log|angle|shaft|encoder)s?$")  # fmt: skip
@@ -115,7 +115,9 @@ def condition_from_file_name(stem: str) -> dict[str, str]:
         sign = "-" if (angle[1] or "").lower() in ("m", "minus", "-") else ""
         found["head_angle_deg"] = f"{sign}{float(angle[2]):g}"
     return {
-        key: text for key, text in found.items() if abs(float(text)) <= FILE_NAME_VALUE_LIMITS[key]
+        key: text
+        for key, text in found.items()
+        if abs(float(text)) <= MAX_VALUES_IN_FILE_NAMES[key]
     }
 
 

@@ -17,7 +17,7 @@ from ..study import Study, Trial
 from ..study.recording_pixels import setup_in_film_pixels
 
 PREVIEWED_FRAMES = 20
-FEW_FRAMES_SHARE = 0.5
+MIN_CONFIDENT_FRAMES_SHARE = 0.5
 """Share of the frames below which the preview looks for a reason."""
 
 
@@ -116,7 +116,7 @@ def _reason_for_few_detections(
     """
     count = len(found.time_s)
     if (
-        _confident_frame_count(found) >= FEW_FRAMES_SHARE * count
+        _confident_frame_count(found) >= MIN_CONFIDENT_FRAMES_SHARE * count
         or not np.isfinite(found.xy_px).any()
     ):
         return ()
@@ -124,7 +124,7 @@ def _reason_for_few_detections(
         mirrored = _confident_frame_count(
             detect(trial.model_copy(update={"head_angle_deg": -angle}))
         )
-        if mirrored >= FEW_FRAMES_SHARE * count:
+        if mirrored >= MIN_CONFIDENT_FRAMES_SHARE * count:
             return (
                 f"with head_angle_deg {-angle:g} the robot is found in {mirrored} of {count} "
                 f"frames: is the sign of {angle:g} wrong? It is positive where the head points "

@@ -60,7 +60,7 @@ def annotated_frame(
         _draw_line(canvas, line, time_s, scale)
     if scene.keypoints is not None:
         _draw_points(canvas, scene.keypoints, time_s, scale)
-    return np.vstack([_strip(scene, time_s, canvas.shape[1]), canvas])
+    return np.vstack([_draw_legend_strip(scene, time_s, canvas.shape[1]), canvas])
 
 
 def empty_pool(camera: PoolCamera, width_px: int) -> BgrImage:
@@ -138,7 +138,7 @@ def _fixed_point(points: Float) -> npt.NDArray[np.int32]:
     return np.round(np.clip(points, -1e5, 1e5) * (1 << FRACTIONAL_BITS)).astype(np.int32)
 
 
-def _strip(scene: OverlayContent, time_s: float, width: int) -> BgrImage:
+def _draw_legend_strip(scene: OverlayContent, time_s: float, width: int) -> BgrImage:
     """Label, time and legend, (STRIP_HEIGHT_PX, width, 3)."""
     strip = np.full((STRIP_HEIGHT_PX, width, 3), STRIP_BGR, np.uint8)
     _write_text(strip, f"{scene.label}   t = {time_s:.2f} s", (8, 15), MEASURED_BGR)

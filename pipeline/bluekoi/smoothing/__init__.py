@@ -9,7 +9,7 @@ import numpy as np
 
 from ..data import MIN_POSE_FRAMES, BoolNDArray, Float, Pose, Track
 from ..errors import input_error
-from .gaps import with_calibrated_gaps
+from .gaps import with_calibrated_gap_covariance
 from .grid import FilterTimeGrid, filter_grid
 from .kalman_filterpy import filter_and_smooth
 from .kalman_numba import compiled_filter_and_smooth
@@ -73,7 +73,7 @@ def smooth_with_noise_ratio(pose: Pose, flap_hz: float) -> tuple[Track, tuple[fl
 
 def _smooth_with_calibrated_gaps(fitted: FittedMotionModel, coords: int) -> SmoothedStates:
     state = filter_and_smooth(fitted.model, fitted.used)
-    return with_calibrated_gaps(fitted.model, fitted.used, state, coords)
+    return with_calibrated_gap_covariance(fitted.model, fitted.used, state, coords)
 
 
 def _check_enough_frames(pose: Pose) -> None:

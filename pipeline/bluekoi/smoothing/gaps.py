@@ -30,7 +30,7 @@ DECAY_GAP_LENGTHS = 3.0
 """Weight of an artificial gap: exp(-distance from the gap / (this many gap lengths))."""
 
 
-def with_calibrated_gaps(
+def with_calibrated_gap_covariance(
     model: LinearGaussianModel, used: BoolNDArray, state: SmoothedStates, coords: int
 ) -> SmoothedStates:
     """The smoothed states, their covariance over gaps scaled by what artificial gaps show.

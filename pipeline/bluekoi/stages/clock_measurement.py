@@ -29,7 +29,7 @@ UNCHECKED_FRAME_RATE_STD_SHARE = (
 MIN_TRIALS_TO_SPLIT = 4
 """Trials without which no part of them is compared with the others: two variances about a mean need
 two trials each."""
-MAX_DISTINCT_SHARE = 0.5
+MAX_DISTINCT_FREQUENCY_SHARE = 0.5
 """Stated frequencies were not measured trial by trial where at most so many of them differ."""
 
 
@@ -52,7 +52,7 @@ def with_clock_measurement(
     found = [beats[s.name] for s in seen]
     ratio = np.array([b.video_hz / b.flap_hz - 1 for b in found])
     own: Float = np.nan_to_num(np.array([b.video_hz_std / b.flap_hz for b in found]))
-    stated = _stated_for_several(found)
+    stated = _are_frequencies_shared_by_trials(found)
     groups = [s.group for s in seen]
     floor = np.hypot(own, CLOCK_STD_SHARE)
     wrong = None if stated else trials_with_deviating_clock(ratio, floor, groups)
@@ -154,6 +154,6 @@ def _drift_variance(seen: Sequence[TrialSeries], found: Sequence[FlappingFrequen
     return float(np.mean(ranges**2)) / 12.0
 
 
-def _stated_for_several(found: Sequence[FlappingFrequency]) -> bool:
+def _are_frequencies_shared_by_trials(found: Sequence[FlappingFrequency]) -> bool:
     stated = [b.flap_hz for b in found if b.source != "motor_log"]
-    return len(stated) > 1 and len(set(stated)) <= MAX_DISTINCT_SHARE * len(stated)
+    return len(stated) > 1 and len(set(stated)) <= MAX_DISTINCT_FREQUENCY_SHARE * len(stated)

@@ -16,17 +16,17 @@ from ..synthetic.footage import render_frames
 from ..synthetic.picture_conditions import PictureConditions
 from ..synthetic.trial import solve_trial
 
-SIZE_PX = (480, 270)
-FRAME_STEP = 16
+WARM_UP_FRAME_SIZE_PX = (480, 270)
+WARM_UP_FRAME_STEP = 16
 
 
 def preload() -> None:
     """Detect the robot in a few small rendered frames, so that the detector is compiled."""
     cv2.setNumThreads(1)  # a process with threads of OpenCV cannot be forked
-    design = replace(demo_design(), conditions=PictureConditions(size_px=SIZE_PX))
+    design = replace(demo_design(), conditions=PictureConditions(size_px=WARM_UP_FRAME_SIZE_PX))
     plan = design.plans[0]
     trial = solve_trial(design, plan.trial_id)
-    few = replace(trial, time_s=trial.time_s[::FRAME_STEP])
+    few = replace(trial, time_s=trial.time_s[::WARM_UP_FRAME_STEP])
     pictures = zip(few.time_s, render_frames(design, few), strict=True)
     film = [Frame(i, float(t), picture.luma) for i, (t, picture) in enumerate(pictures)]
     setup = StudySettings(**study_contents(design), detection=DetectionSettings(body="rigid"))

@@ -60,7 +60,7 @@ def geometry(study: Path, results: Path) -> None:
     try:
         found = check(loaded, [loaded.trial(name) for name in measured or good], layout)
     except InputError as error:
-        found = _unknown_scale_json(str(error))
+        found = _unchecked_geometry_json(str(error))
     setup = loaded.setup
     usual = {"depth_m": setup.robot.keypoint_depth_m, "depth_given": setup.robot.depth_given}
     write_json(layout.geometry, usual | found)
@@ -69,7 +69,7 @@ def geometry(study: Path, results: Path) -> None:
 def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: ResultPaths) -> dict[str, Any]:
     setup, depth = study.setup, study.setup.robot.keypoint_depth_m
     if not trials:
-        return _unknown_scale_json("no trial with keypoints")
+        return _unchecked_geometry_json("no trial with keypoints")
     camera = _trial_camera(study, trials[0], layout)
     lengths = [trial.head_length_m for trial in trials]
     placed = _placed_lengths(camera, trials, layout, depth)
@@ -98,7 +98,7 @@ def _check_by_whole_lengths(
     setup, depth = study.setup, study.setup.robot.keypoint_depth_m
     seen = [read_json(layout.detection(t.trial_id)).get("length_seen") or [] for t in trials]
     if not any(seen):
-        return _unknown_scale_json(LENGTHS_NOT_MEASURED)
+        return _unchecked_geometry_json(LENGTHS_NOT_MEASURED)
     camera = _trial_camera(study, trials[0], layout)
     distances = whole_lengths(
         _placed_lengths(camera, trials, layout, depth),
@@ -150,7 +150,7 @@ def _evidence_json(check: GeometryCheck, trials: Sequence[Trial]) -> dict[str, A
         "estimates": [_hypothesis_json(fit) for fit in check.fits],
         "map": asdict(check.map),
         "by_trial": {
-            trials[number].trial_id: {"excess": mean, "std": std}
+            trials[number].trial_id: {"excess": mean, "std": std, "number": number}
             for number, (mean, std) in check.by_trial.items()
         },
         "windows": windows_to_columns(check.windows),
@@ -163,7 +163,7 @@ def _hypothesis_json(fit: HypothesisFit) -> dict[str, Any]:
     return about | {name: getattr(fit, name) for name in names}
 
 
-def _unknown_scale_json(reason: str) -> dict[str, Any]:
+def _unchecked_geometry_json(reason: str) -> dict[str, Any]:
     return {
         "scale": None,
         "scale_std": None,

@@ -109,7 +109,7 @@ class ResultPaths:
         return self.report.stat().st_mtime > newest - COPY_TIME_TOLERANCE_S
 
     @property
-    def last_results(self) -> tuple[Path, ...]:
+    def end_of_run_results(self) -> tuple[Path, ...]:
         """What stands at the end of a run in which nothing but single trials went wrong."""
         return (self.steady, self.coefficients, self.report)
 

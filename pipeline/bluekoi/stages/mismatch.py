@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..camera.geometry_hypotheses import SYSTEMATIC_LENGTH_ERROR_SHARE
-from ..camera.length_windows import windows_from_columns
+from ..camera.length_windows import windows_from_columns, windows_of_other_trials
 from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE
 from ..campaign import load_campaign
 from ..data import FlappingFrequency, write_columns
@@ -19,10 +19,10 @@ from ..errors import input_error
 from ..files import write_json
 from ..fitting import TrialSeries, free_runs
 from ..mismatch import find_mismatch
-from ..mismatch.camera_displacement import with_displacements
+from ..mismatch.camera_displacement import with_displacement_constants
 from ..mismatch.laws import cause_force_curves, partial_residuals
 from ..mismatch.results_json import details_json, mismatch_json
-from ..mismatch.rigid_lengths import length_measurement
+from ..mismatch.rigid_lengths import rigid_length_measurement
 from ..mismatch.wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock
 from ..model import robot_system, two_plate_system
 from ..motor import log_lead_from_beat_phases
@@ -32,8 +32,9 @@ from ..tuning import downsampled, trial_kernel
 from .clock_factor import correct_clock, with_clock_cause
 from .clock_measurement import with_clock_measurement
 from .compiling import precompile_model_with_effects as preload
+from .contradicted_trials import contradicted_trials, contradiction_warning
 from .layout import ResultPaths, remove_files
-from .motor_measurements import with_frequency_drift, with_lost_time
+from .motor_measurements import with_frequency_drift, with_spin_up_time_measurement
 from .status import has_measured_lengths, with_numerical_failures_explained
 from .tuning import campaign_flapping, campaign_series
 
@@ -58,15 +59,16 @@ def mismatch(study: Path, results: Path) -> None:
     refuse_single_trial(study, len(series))
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
     series = with_delay_measurement(series, flapping, fitted=fitted)
-    series = with_lost_time(series, flapping, fitted=fitted)
+    series = with_spin_up_time_measurement(series, flapping, fitted=fitted)
     series = with_frequency_drift(series, flapping, fitted=fitted)
+    left_out = contradicted_trials(campaign, flapping)
     series = with_rigid_length_measurement(
-        series, campaign.geometry or {}, loaded.setup, fitted=fitted
+        series, campaign.geometry or {}, loaded.setup, fitted=fitted, left_out=left_out.keys()
     )
     series = with_nose_distances(series, loaded, ResultPaths(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=stage_logger.info)
     kernel = trial_kernel(series)
-    series = with_displacements(kernel, series, found.displacements)
+    series = with_displacement_constants(kernel, series, found.displacements)
     runs = free_runs(kernel, series, found.extended.trial_values(kernel, series))
     remove_files((results / "extended").glob("*.csv"))
     for one, run in zip(series, runs, strict=True):
@@ -83,6 +85,8 @@ def mismatch(study: Path, results: Path) -> None:
     detail["partial_residuals"] = partial_residuals(*along, laws=laws, noise=found.baseline.noise)
     write_json(results / "mismatch_detail.json", detail)
     content = mismatch_json(found, loaded, series)
+    if warning := contradiction_warning(left_out):
+        content["warnings"] = [warning, *content["warnings"]]
     for cause in content["causes"]:
         if cause["name"] in laws:
             cause["law"] = laws[cause["name"]]
@@ -124,19 +128,23 @@ def with_delay_measurement(
 
 def with_rigid_length_measurement(
     series: Sequence[TrialSeries], geometry: Mapping[str, Any], setup: StudySettings, *,
-    fitted: int | None = None,
+    fitted: int | None = None, left_out: Collection[str] = (),
 ) -> list[TrialSeries]:  # fmt: skip
     """Series with what rigid lengths say of errors of the camera, measured once for all trials.
 
-    fitted: trials that are not held out, whose shares make up the measurement.
+    fitted: trials that are not held out, whose shares make up the measurement. left_out: trials
+    whose lengths have no part in it.
     """
     if not (series and geometry.get("windows")):
         return list(series)
+    by_trial = geometry.get("by_trial") or {}
+    numbers = [by_trial[i]["number"] for i in left_out if "number" in by_trial.get(i, {})]
+    windows = windows_of_other_trials(windows_from_columns(geometry["windows"]), numbers)
     system, camera = robot_system(setup.robot), setup.camera
     by_homography = camera is not None and camera.matrix is None
-    shared = length_measurement(
+    shared = rigid_length_measurement(
         system, dict(zip(system.constants, series[0].constants, strict=True)),
-        windows_from_columns(geometry["windows"]), trials=max(fitted or len(series), 1),
+        windows, trials=max(fitted or len(series), 1),
         depth_given=setup.robot.depth_given and not by_homography,
         systematic=_detector_error_share(geometry),
     )  # fmt: skip

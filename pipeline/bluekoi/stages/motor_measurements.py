@@ -11,14 +11,16 @@ from ..data import FlappingFrequency
 from ..fitting import TrialSeries
 from .clock_measurement import within_between_group_variances
 
-LOST_TIME_STD_S = 0.005  # ASSUME a motor counts as starting at once that loses a reading's time
+SPIN_UP_LOST_TIME_STD_S = (
+    0.005  # ASSUME a motor counts as starting at once that loses a reading's time
+)
 NEGLIGIBLE_DRIFT_STD_PER_S = (
     0.0003  # ASSUME a supply counts as steady that loses 0.2 % of speed in 6 s
 )
 MOTOR_FORMULA_STD_SHARE = 0.2  # ASSUME a motor follows the formula of its spin-up or sag to 20 %
 
 
-def with_lost_time(
+def with_spin_up_time_measurement(
     series: Sequence[TrialSeries], flapping: Mapping[str, FlappingFrequency], *, fitted: int
 ) -> list[TrialSeries]:
     """Series with what the motor logs say of the spin-up as evidence, one measurement shared by the
@@ -31,7 +33,7 @@ def with_lost_time(
         return list(series)
     mean, scatter = float(known.mean()), float(known.std())
     std = np.sqrt(
-        LOST_TIME_STD_S**2 + (MOTOR_FORMULA_STD_SHARE * mean) ** 2 + scatter**2 / len(known)
+        SPIN_UP_LOST_TIME_STD_S**2 + (MOTOR_FORMULA_STD_SHARE * mean) ** 2 + scatter**2 / len(known)
     )
     shared = {"lost_time": (mean, float(std) * max(fitted, 1) ** 0.5)}
     return [replace(s, evidence=s.evidence | shared) for s in series]

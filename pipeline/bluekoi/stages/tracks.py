@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..camera.calibration_uncertainty import calibration_covariance_at_places
+from ..camera.calibration_uncertainty import calibration_covariance_at_points
 from ..camera.picture_bounds import check_within_picture
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
@@ -20,8 +20,8 @@ from ..keypoints.deeplabcut import read_detections
 from ..motor import flapping_record, trial_flapping
 from ..motor.swimming_plausibility import (
     CHECK_LENGTHS_REMEDY,
-    implausible_numbers,
-    swimming_numbers,
+    dimensionless_swimming_numbers,
+    implausible_numbers_text,
     tail_length_seen,
 )
 from ..pose.exchanged_frames import exchange_back
@@ -82,7 +82,7 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
         track, shown = smooth_with_noise_ratio(pose, _recoil_hz(flapping))
         steady = _with_clock_remark(steady_state(track, flapping, trial.head_angle_rad), flapping)
     except (np.linalg.LinAlgError, FloatingPointError, ZeroDivisionError) as error:
-        raise _error_of_unsolvable_fit(study, trial, error) from error
+        raise _smoothing_failed_error(study, trial, error) from error
     write_pose(layout.pose(trial.trial_id), pose)
     whole = _with_calibration_std(with_systematic_error(track, pose, shown), camera, depth)
     write_track(layout.track(trial.trial_id), whole)
@@ -93,8 +93,8 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
         remarks.append(
             f"keypoints taken to lie {1000 * depth:.0f} mm deep; study.yaml says nothing"
         )
-    swimming = swimming_numbers(steady, flapping, positions, study.setup.robot)
-    if odd := implausible_numbers([swimming]):
+    swimming = dimensionless_swimming_numbers(steady, flapping, positions, study.setup.robot)
+    if odd := implausible_numbers_text([swimming]):
         remarks.append(f"{odd}. {CHECK_LENGTHS_REMEDY}")
     return {
         **detection,
@@ -115,7 +115,7 @@ def _recoil_hz(flapping: FlappingFrequency) -> float:
     return flapping.flap_hz * (flapping.ratio if wrong else 1.0)
 
 
-def _error_of_unsolvable_fit(study: Study, trial: Trial, error: Exception) -> InputError:
+def _smoothing_failed_error(study: Study, trial: Trial, error: Exception) -> InputError:
     return input_error(
         study.paths(trial)[0],
         f"trial {trial.trial_id}",
@@ -134,7 +134,7 @@ def _with_clock_remark(steady: SteadyState, flapping: FlappingFrequency) -> Stea
 
 def _with_calibration_std(track: Track, camera: PoolCamera, depth_m: float) -> Track:
     """The track whose positions' deviations hold the calibration's, common to all frames."""
-    cov = calibration_covariance_at_places(camera, np.column_stack([track.x_m, track.y_m]), depth_m)
+    cov = calibration_covariance_at_points(camera, np.column_stack([track.x_m, track.y_m]), depth_m)
     x, y = (
         np.hypot(np.sqrt(cov[:, 0, 0]), track.x_m_std),
         np.hypot(np.sqrt(cov[:, 1, 1]), track.y_m_std),

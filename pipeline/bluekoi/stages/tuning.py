@@ -12,7 +12,6 @@ from ..data import FlappingFrequency, write_columns
 from ..errors import input_error
 from ..files import write_json
 from ..fitting import TrialSeries
-from ..motor import common_clock_ratio, deviates_from_common_clock
 from ..study import load_study
 from ..tuning import (
     coefficients_json_and_fit,
@@ -23,6 +22,7 @@ from ..tuning import (
 )
 from .clock_factor import correct_clock
 from .compiling import precompile_model as preload
+from .contradicted_trials import contradicted_trials
 from .layout import ResultPaths, remove_files
 from .status import with_numerical_failures_explained
 
@@ -54,16 +54,13 @@ def campaign_series(
 ) -> list[TrialSeries]:
     """Trials of a campaign as the fit takes them; flapping: `campaign_flapping` without it.
 
-    Not a robot that never moved; nor a trial whose tail beats at another rate than its motor's,
-    unless most trials share that ratio: its log or its frame rate is another trial's.
+    Not a robot that never moved, nor `contradicted_trials`.
 
     Raises: InputError where no trial can be used.
     """
     moved = {i for i, row in campaign.steady.items() if row.quality != "no_data"}
     flapping = campaign_flapping(campaign) if flapping is None else flapping
-    common = common_clock_ratio(flapping.values())
-    odd = {i for i, f in flapping.items() if deviates_from_common_clock(f, common)}
-    kept = moved - odd if 2 * len(odd) < len(flapping) else moved
+    kept = moved - contradicted_trials(campaign, flapping).keys()
     tracks = {i: track for i, track in campaign.tracks.items() if i in kept}
     series = study_series(campaign.study, campaign.poses, tracks, flapping)
     if not series:

@@ -67,7 +67,7 @@ def steady_state(track: Track, flapping: FlappingFrequency, head_angle_rad: floa
         track.time_s, track.speed_m_s, _speed_error_covariance(track, slice(None))
     )
     candidates = (
-        _steady_over_segment(track, flapping, head_angle_rad, plateau, segment)
+        _steady_state_of_segment(track, flapping, head_angle_rad, plateau, segment)
         for segment in _steady_segments(track, plateau)
     )
     strictest = next(candidates)
@@ -77,7 +77,7 @@ def steady_state(track: Track, flapping: FlappingFrequency, head_angle_rad: floa
     )
 
 
-def _steady_over_segment(
+def _steady_state_of_segment(
     track: Track,
     flapping: FlappingFrequency,
     head_angle_rad: float,

@@ -51,7 +51,11 @@ class SettingKey:
 
 def setting_keys() -> list[SettingKey]:
     """All keys, sections before what stands in them."""
-    return [key for file, model in FILE_MODELS.items() for key in _keys_of_model(file, model, "")]
+    return [
+        key
+        for file, model in FILE_MODELS.items()
+        for key in _keys_of_settings_class(file, model, "")
+    ]
 
 
 def explain_key(name: str) -> str:
@@ -68,7 +72,7 @@ def explain_key(name: str) -> str:
     return "\n".join(map(str, found + inside))
 
 
-def _keys_of_model(file: str, model: type[BaseModel], prefix: str) -> Iterator[SettingKey]:
+def _keys_of_settings_class(file: str, model: type[BaseModel], prefix: str) -> Iterator[SettingKey]:
     for name, field in model.model_fields.items():
         extra = typing.cast("dict[str, Any]", field.json_schema_extra)
         yield SettingKey(
@@ -80,7 +84,7 @@ def _keys_of_model(file: str, model: type[BaseModel], prefix: str) -> Iterator[S
             allowed=_allowed_values_text(field),
         )
         if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
-            yield from _keys_of_model(file, field.annotation, f"{prefix}{name}.")
+            yield from _keys_of_settings_class(file, field.annotation, f"{prefix}{name}.")
 
 
 def _default_text(field: FieldInfo) -> str:

@@ -22,7 +22,7 @@ def setup_in_film_pixels(
     Raises: InputError where the recording is not the picture of study.yaml, scaled alike in both
     directions.
     """
-    scale, given = recording_scale(setup, size_px, name), setup.camera
+    scale, given = recording_over_study_pixel_scale(setup, size_px, name), setup.camera
     if scale == 1.0:
         return setup
     corners = np.array(given.pool_corners_px, dtype=float) * scale + (scale - 1) / 2
@@ -38,7 +38,7 @@ def setup_in_film_pixels(
 
 def to_study_pixels(setup: StudySettings, size_px: tuple[int, int], points_px: Float) -> Float:
     """Points (n, 2) of a recording of this size in the pixels that study.yaml speaks of."""
-    scale = recording_scale(setup, size_px)
+    scale = recording_over_study_pixel_scale(setup, size_px)
     return (points_px - (scale - 1) / 2) / scale
 
 
@@ -51,7 +51,7 @@ def zoom_homography(factor: float) -> Float:
     return np.array([[factor, 0, shift], [0, factor, shift], [0, 0, 1]])
 
 
-def recording_scale(
+def recording_over_study_pixel_scale(
     setup: StudySettings, size_px: tuple[int, int] | None, name: str = "the recording"
 ) -> float:
     """How many times larger the recording is than the picture study.yaml speaks of."""

@@ -102,7 +102,9 @@ class Robot(Section):
     )
     head_length_m: Positive = described_field("Length of the 1x head: nose to hinge.", "m")
     head_span_m: Positive = described_field(
-        "Vertical extent of the head plate; head area = head length x span.", "m"
+        "Vertical extent of the head plate; head area = head length x span. Coefficients of forces "
+        "are inversely proportional to it, and no recording can check it.",
+        "m",
     )
     hinge_to_com_m: PlainFloat = described_field(
         "Distance of the centre of mass behind the hinge, on the core axis.",

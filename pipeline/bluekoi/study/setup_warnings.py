@@ -10,10 +10,10 @@ from .consistency_rules import WIDTH_TO_HEIGHT_RANGE
 if TYPE_CHECKING:
     from .setup import Camera, Robot, StudySettings
 
-GYRATION_RADIUS_RANGE_LENGTHS = ((1 / 28) ** 0.5, (7 / 48) ** 0.5)
+GYRATION_RADIUS_OVER_LENGTH_RANGE = ((1 / 28) ** 0.5, (7 / 48) ** 0.5)
 """Radius of gyration over length: that of a spindle (a parabola turned about its axis), 0.19, and
 that of a rod with all mass in its outer quarters, 0.38. A uniform rod has (1/12)^0.5 = 0.29."""
-INERTIA_MIMICS = ("thrust_line_offset",)
+CAUSES_THAT_MIMIC_WRONG_INERTIA = ("thrust_line_offset",)
 """Causes that the finder names where yaw inertia or mass alone is wrong (docs/results.md)."""
 MIN_MIMIC_PROBABILITY = 0.5
 """As for the causes that the finder names."""
@@ -64,7 +64,7 @@ def _unvalidated_size_warnings(robot: Robot) -> list[str]:
 def _gyration_radius_warnings(robot: Robot) -> list[str]:
     length = robot.body_length_m + robot.tail_length_m
     radius = (robot.yaw_inertia_kg_m2 / robot.mass_kg) ** 0.5
-    low, high = GYRATION_RADIUS_RANGE_LENGTHS
+    low, high = GYRATION_RADIUS_OVER_LENGTH_RANGE
     if low * length <= radius <= high * length:
         return []
     return [
@@ -87,7 +87,7 @@ def inertia_warnings(robot: Robot, mismatch: Mapping[str, Any] | None) -> list[s
         f"mass_kg looks like it. study.yaml has {robot.yaw_inertia_kg_m2:g} kg m2 and "
         f"{robot.mass_kg:g} kg: check that both were measured, and their units, before you rely "
         "on this cause."
-        for name in INERTIA_MIMICS
+        for name in CAUSES_THAT_MIMIC_WRONG_INERTIA
         if probabilities.get(name, 0.0) > MIN_MIMIC_PROBABILITY
     ]
 

@@ -57,7 +57,12 @@ class Trial(Section):
         None,
     )
     flap_hz: Annotated[PlainFloat, Field(ge=0, le=100, allow_inf_nan=False)] | None = (
-        described_field("Flapping frequency, where there is no motor log.", "Hz", None)
+        described_field(
+            "Flapping frequency, where there is no motor log; not counted in the same video, whose "
+            "frame rate it checks.",
+            "Hz",
+            None,
+        )
     )
     start_s: Annotated[PlainFloat, Field(ge=0, allow_inf_nan=False)] | None = described_field(
         "Start of the part of the recording to use.", "s", None

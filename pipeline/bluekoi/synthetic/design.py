@@ -66,7 +66,7 @@ DEMO_PICTURE_CONDITIONS = replace(MIDDLE_PICTURE_CONDITIONS, mbit_s=20.0)
 """At 45 Mbit/s, as action cameras write, encoding and decoding take half of the demo's time."""
 
 
-def numbered_plans(
+def full_factorial_trial_plans(
     powers: Iterable[int], settings: Iterable[tuple[float, float]]
 ) -> tuple[TrialPlan, ...]:
     """A plan for each power at each setting (head angle [deg], head length [m]): T01, T02, ..."""
@@ -79,7 +79,7 @@ def numbered_plans(
 def demo_design(seed: int = 11) -> StudyDesign:
     """24 trials at 1080p: fin, gently moving water, recoil, and linear yaw damping."""
     tank = GroundTruthPhysics(yaw_damping_n_m_s=0.03)
-    plans = numbered_plans((50, 75, 100), DEMO_SETTINGS)
+    plans = full_factorial_trial_plans((50, 75, 100), DEMO_SETTINGS)
     return StudyDesign(
         "demo", plans, tank, seed, water_rms_m_s=0.001, conditions=DEMO_PICTURE_CONDITIONS
     )

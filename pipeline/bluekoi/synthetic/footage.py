@@ -33,7 +33,7 @@ def _cached_scene(
     return build_scene(camera, caustics, pool_m=pool[:2], depth_m=pool[2], seed=seed)
 
 
-def scene_at(design: StudyDesign, time_s: float) -> FilmSetup:
+def film_setup_at(design: StudyDesign, time_s: float) -> FilmSetup:
     """Pool, camera, light, lamps and noise of a design at a time (changed by a camera shift)."""
     camera, state = camera_at(design, time_s), design.conditions
     pool = (*design.tank.pool_m, design.pool_depth_m)
@@ -98,8 +98,8 @@ def render_frame(
 def render_frames(design: StudyDesign, trial: SolvedTrial) -> Iterator[ImagePlanes]:
     """The frames of a trial, in order, with sensor noise."""
     moved_at_s = design.conditions.nudge_at_s
-    before = scene_at(design, -math.inf)
-    after = before if moved_at_s is None else scene_at(design, math.inf)
+    before = film_setup_at(design, -math.inf)
+    after = before if moved_at_s is None else film_setup_at(design, math.inf)
     rng = trial_rng(design, trial.plan.trial_id, "noise")
     offset = int(rng.integers(0, 100))
     for number, now in enumerate(trial.time_s):

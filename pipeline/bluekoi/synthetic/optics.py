@@ -31,7 +31,7 @@ class Camera:
     index_water: float = 1.333
 
 
-def _as_rows(matrix: np.ndarray) -> Matrix3:
+def _matrix_to_nested_tuples(matrix: np.ndarray) -> Matrix3:
     one, two, three = ((float(row[0]), float(row[1]), float(row[2])) for row in matrix)
     return one, two, three
 
@@ -46,7 +46,7 @@ def downward_rotation(roll_deg: float, pitch_deg: float, turn_deg: float) -> Mat
     about_y = np.array([[math.cos(b), 0, math.sin(b)], [0, 1, 0], [-math.sin(b), 0, math.cos(b)]])
     about_z = np.array([[math.cos(c), -math.sin(c), 0], [math.sin(c), math.cos(c), 0], [0, 0, 1]])
     rows = about_x @ about_y @ about_z @ np.diag([1.0, -1.0, -1.0])
-    return _as_rows(rows)
+    return _matrix_to_nested_tuples(rows)
 
 
 def gopro_like_camera(lens: str = "pinhole") -> Camera:
@@ -80,7 +80,7 @@ def displaced_camera(
     """The camera after a displacement: moved by `shift_m` in the pool, turned about its axes."""
     displaced = np.array(downward_rotation(*angles_deg)) @ np.diag([1.0, -1.0, -1.0])
     rows = displaced @ np.array(camera.rotation)
-    rotation = _as_rows(rows)
+    rotation = _matrix_to_nested_tuples(rows)
     x, y, z = (a + b for a, b in zip(camera.centre_m, shift_m, strict=True))
     return replace(camera, rotation=rotation, centre_m=(x, y, z))
 

@@ -21,7 +21,7 @@ CHECK_STEP_S = 0.05
 """Interval at which a path is checked against the walls."""
 STEADY_TRIAL_SHARE = 0.3
 """Last part of a trial, as a share of its duration, over which its true steady state is taken."""
-PATH_STEP_S = 0.05
+TRUE_PATH_INTERVAL_S = 0.05
 """Interval at which the true path is written."""
 
 
@@ -49,7 +49,7 @@ def _keypoint_path(
     return time_s, body_point_positions(tank.robot, plan.head_length_m, motion.pose(time_s))
 
 
-def _frames_fitting_in(points: np.ndarray, room: tuple[float, float]) -> int:
+def _count_leading_frames_fitting(points: np.ndarray, room: tuple[float, float]) -> int:
     """How many of the first rows of keypoints fit together into a rectangle."""
     wide = np.maximum.accumulate(points.real.max(1)) - np.minimum.accumulate(points.real.min(1))
     high = np.maximum.accumulate(points.imag.max(1)) - np.minimum.accumulate(points.imag.min(1))
@@ -75,7 +75,10 @@ def start_pose_in_pool(
     """Start x, y (m), heading (rad) that keeps a path's keypoints `(times, 5)` inside longest."""
     room = tuple(side - 2 * design.wall_margin_m for side in pool_m)
     turns = rng.permutation(np.arange(START_HEADINGS)) * (2 * math.pi / START_HEADINGS)
-    fits = [_frames_fitting_in(points * np.exp(1j * turn), (room[0], room[1])) for turn in turns]
+    fits = [
+        _count_leading_frames_fitting(points * np.exp(1j * turn), (room[0], room[1]))
+        for turn in turns
+    ]
     best = int(np.argmax(fits))
     kept = (points * np.exp(1j * turns[best]))[: fits[best]]
     place = []
@@ -199,7 +202,7 @@ def steady_summary(trial: SolvedTrial) -> dict[str, float | str | None]:
 def mean_path(trial: SolvedTrial) -> dict[str, list[float]]:
     """Mean motion, the tail-beat recoil left out: every 0.05 s place (m) and velocity (m/s)."""
     end = float(trial.time_s[-1])
-    time_s = np.append(np.arange(0.0, end, PATH_STEP_S), end)
+    time_s = np.append(np.arange(0.0, end, TRUE_PATH_INTERVAL_S), end)
     mean = trial.motion.mean(time_s)
     columns = {"x_m": 0, "y_m": 1, "vx_m_s": 3, "vy_m_s": 4}
     values = {name: mean[:, k] for name, k in columns.items()}

@@ -121,11 +121,12 @@ def likelihood_profiles(series: Sequence[TrialSeries], tuned: JointFit) -> list[
     kernel = trial_kernel(series)
     predictor = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
     return threaded_map(
-        lambda index: _profile(series, tuned, index, predictor), range(len(tuned.fit.free))
+        lambda index: _profile_likelihood(series, tuned, index, predictor),
+        range(len(tuned.fit.free)),
     )
 
 
-def _profile(
+def _profile_likelihood(
     series: Sequence[TrialSeries], tuned: JointFit, index: int, predictor: FilterResults
 ) -> LikelihoodProfile:
     """Profile of one free number, under held gains."""

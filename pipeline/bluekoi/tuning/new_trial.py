@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Float
 from ..fitting import TrialSeries, trial_normal_equations
 from ..integrate import CompiledSystem
-from ..integrate.batch import in_lanes, simulate_batch
+from ..integrate.batch import repeat_over_lanes, simulate_batch
 from ..model import constants_of_robot_trial
 from ..observation import camera_error_inputs
 from ..study import StudySettings
@@ -126,7 +126,7 @@ def _simulate_candidate_trial(
 
 def _simulate_states(kernel: CompiledSystem, series: TrialSeries, tuned: JointFit) -> Float:
     values = tuned.trial_values(kernel, [series])[0]
-    lanes = [in_lanes(row[None]) for row in (series.mean, values, series.constants)]
+    lanes = [repeat_over_lanes(row[None]) for row in (series.mean, values, series.constants)]
     observed, _ = simulate_batch(
         kernel, *lanes, times=series.times[None], inputs=series.inputs[None]
     )

@@ -24,7 +24,7 @@ from ..study import Robot, Study, Trial
 from .draws import clip_to_bounds, sample_parameters
 from .joint_fit import JointFit, coefficient_cell, fit_all_trials
 from .similar_robots import trial_kernel
-from .two_step_covariance import step_sensitivity, with_step_covariance
+from .two_step_covariance import sensitivity_to_earlier_step, with_step_covariance
 
 MAX_STRAIGHT_ANGLE_DEG = 3.0
 """Head angle below which a trial is a straight run."""
@@ -57,7 +57,7 @@ def fit_paper_steps(
         else None
     )
     own = _fit_second_step(turns, first) if turns else None
-    sensitivity = step_sensitivity(turns, own, first) if own and first else None
+    sensitivity = sensitivity_to_earlier_step(turns, own, first) if own and first else None
     second = (
         own
         if own is None or first is None or sensitivity is None
@@ -147,7 +147,7 @@ def _results_of_power(
     return {
         "flap_hz": flap_hz,
         "coefficients": coefficients,
-        "steps": _comparisons(study, here, steady, values, flap_hz),
+        "steps": _compare_measured_with_simulated(study, here, steady, values, flap_hz),
     }
 
 
@@ -167,7 +167,7 @@ def _coefficient_entry(
             "unit": parameter.unit, "step": None, "determined": False, "why": why}  # fmt: skip
 
 
-def _comparisons(
+def _compare_measured_with_simulated(
     study: Study,
     series: Sequence[TrialSeries],
     steady: Mapping[str, SteadyState],

@@ -26,7 +26,7 @@ from .stability import stability_verdict, straight_swimming_growth_per_s, undete
 from .turning_trials import (
     count_turning_trials,
     depends_on_one_trial,
-    fit_outcome,
+    joint_fit_outcome_text,
     no_trial_turns_head,
     undetermined_without_turns,
 )
@@ -55,7 +55,7 @@ def coefficients_json_and_fit(
         "paper_steps": steps,
         "joint": {
             "coefficients": undetermined_without_turns(coefficient_table(joint), few),
-            "outcome": fit_outcome(joint, few),
+            "outcome": joint_fit_outcome_text(joint, few),
             "trials": [s.name for s in series],
             "noise": {
                 "disturbance": joint.noise.disturbance,

@@ -15,7 +15,7 @@ from .similar_robots import similar_state_std
 
 OUTLIER_SIGMA = 6.0
 SERVO_STD_RAD = 0.01  # ASSUME a servo error of 0.6 degrees, constant within a trial
-RECOIL_ERROR_BEATS = 0.25
+RECOIL_ERROR_CORRELATION_BEATS = 0.25
 """Beats for which an error of the recoil keeps its sign: an oscillation is on one side for half a
 beat, and its mean over longer blocks falls. Once a beat makes the true causes of 14 known studies
 less likely, by 13 in the median (docs/decisions/052)."""
@@ -120,10 +120,10 @@ def _recoil_covariance(times: Float, track: Track, flap_hz: float) -> Float:
     usual: mean motion and recoil are confused where the recoil builds up.
 
     The usual error oscillates with the beat and averages out. The excess keeps its sign for
-    `RECOIL_ERROR_BEATS`: it counts once in that time, not once a frame.
+    `RECOIL_ERROR_CORRELATION_BEATS`: it counts once in that time, not once a frame.
     """
     step = float(np.median(np.diff(times)))
-    lasting = max(RECOIL_ERROR_BEATS / (flap_hz * step), 1.0) if flap_hz > 0 else 1.0
+    lasting = max(RECOIL_ERROR_CORRELATION_BEATS / (flap_hz * step), 1.0) if flap_hz > 0 else 1.0
     out = np.zeros((len(times), 4, 4))
     for i, variance in enumerate(track.recoil_std.T**2):
         excess = np.maximum(variance - np.median(variance), 0.0)

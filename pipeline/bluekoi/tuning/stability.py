@@ -9,12 +9,12 @@ import numpy as np
 
 from ..fitting import TrialSeries
 from ..integrate import LANES, CompiledSystem, System, compile_system
-from ..integrate.batch import in_lanes, simulate_batch
+from ..integrate.batch import repeat_over_lanes, simulate_batch
 from ..model import constants_of_robot_trial, robot_system, simulate
 from ..study import Study, StudySettings
 from .joint_fit import JointFit
 
-LINEARISATION_S = 0.02
+LINEARISATION_INTERVAL_S = 0.02
 """Interval over which the motion is linearised."""
 LINEARISED_STATES = (2, 3, 4, 5)  # psi, u, v, r: x and y do not act back
 
@@ -45,9 +45,9 @@ def straight_swimming_growth_per_s(
     _, states = simulate_batch(
         kernel,
         state,
-        in_lanes(values[None]),
-        in_lanes(constants_of_robot_trial(setup, head)[None]),
-        times=np.array([[0.0, LINEARISATION_S]]),
+        repeat_over_lanes(values[None]),
+        repeat_over_lanes(constants_of_robot_trial(setup, head)[None]),
+        times=np.array([[0.0, LINEARISATION_INTERVAL_S]]),
         inputs=np.tile([0.0, flap_hz], (1, 2, 1)),
         keep_states=True,
     )
@@ -56,7 +56,7 @@ def straight_swimming_growth_per_s(
     if not np.isfinite(F).all():
         return float("nan")
     # the heading's own eigenvalue is 1 (0 per second): leave it out
-    return float(np.log(np.max(np.abs(np.linalg.eigvals(F[1:, 1:])))) / LINEARISATION_S)
+    return float(np.log(np.max(np.abs(np.linalg.eigvals(F[1:, 1:])))) / LINEARISATION_INTERVAL_S)
 
 
 def _own_states(system: System, effects: Collection[str]) -> list[int]:

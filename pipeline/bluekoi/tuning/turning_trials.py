@@ -47,7 +47,7 @@ def depends_on_one_trial(tuned: JointFit) -> bool:
     )
 
 
-def fit_outcome(tuned: JointFit, series: Sequence[TrialSeries]) -> str:
+def joint_fit_outcome_text(tuned: JointFit, series: Sequence[TrialSeries]) -> str:
     """The joint fit's outcome; of numbers at a bound whether the data ask for more than is
     plausible, or whether they only say too little of them.
     """
@@ -60,14 +60,14 @@ def fit_outcome(tuned: JointFit, series: Sequence[TrialSeries]) -> str:
             "at a bound: straight runs hold alpha at 0 and say nothing of "
             f"{', '.join(held)}: turns are lacking"
         )
-    unsaid = [tuned.fit.free[i].label for i in _consistent_with_start(tuned)]
+    unsaid = [tuned.fit.free[i].label for i in _at_bound_consistent_with_start(tuned)]
     if unsaid == held:
         lacking = "more turns are" if blind == held else "more trials are"
         return f"at a bound: these trials say too little of {', '.join(held)}: {lacking} lacking"
     return tuned.fit.outcome
 
 
-def _consistent_with_start(tuned: JointFit) -> list[int]:
+def _at_bound_consistent_with_start(tuned: JointFit) -> list[int]:
     """Numbers at a bound that may as well have their usual value: the start of fits, which lies
     in their one-sided interval.
     """

@@ -18,7 +18,9 @@ from .joint_fit import JointFit
 from .similar_robots import trial_kernel
 
 
-def step_sensitivity(series: Sequence[TrialSeries], later: JointFit, earlier: JointFit) -> Float:
+def sensitivity_to_earlier_step(
+    series: Sequence[TrialSeries], later: JointFit, earlier: JointFit
+) -> Float:
     """G (p, q): response of the later fit, of these trials, to the earlier one's q numbers."""
     kernel, p = trial_kernel(series), len(later.fit.values)
     out = np.zeros((p, len(earlier.fit.values)))

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 ADDRESS_VARIABLE = "BLUEKOI_PRELOADED"
 """Environment variable with the path of the socket that the preloaded process listens on."""
-COMMAND_VARIABLE = "BLUEKOI_COMMAND"
+COMMAND_ENVIRONMENT_VARIABLE = "BLUEKOI_COMMAND"
 """Environment variable with the command that a person gave."""
 END_OF_REQUEST = b"\0\0"
 EXIT_RUN_ENDED = 143

@@ -13,7 +13,7 @@ from typing import Any
 
 from ..errors import InputError, escape_control_characters
 from ..stages.manifest import RUN_ENVIRONMENT_VARIABLE, record_file_states
-from .forkserver_client import COMMAND_VARIABLE
+from .forkserver_client import COMMAND_ENVIRONMENT_VARIABLE
 from .lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from .plan import Plan, make_plan
 from .provenance import PACKAGE_FOLDER, source_fingerprint
@@ -50,7 +50,7 @@ def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
         if stages := outdated_stages(plan, stage_input_hashes(plan)):
             sys.stderr.write(f"Made from other inputs or by another version: {', '.join(stages)}\n")
         return plan
-    command = os.environ.get(COMMAND_VARIABLE) or shlex.join(sys.argv)
+    command = os.environ.get(COMMAND_ENVIRONMENT_VARIABLE) or shlex.join(sys.argv)
     run = {"command": command, "settings": dict(config), "code": source_fingerprint("stages")}
     os.environ[RUN_ENVIRONMENT_VARIABLE] = json.dumps(run)
     if not (plan.results / "manifest.json").is_file():

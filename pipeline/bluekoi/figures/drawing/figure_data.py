@@ -48,7 +48,7 @@ class Point(NamedTuple):
 def extract_points(figure: Figure) -> list[Point]:
     """All data points of a figure in drawing order; colour bars and annotations are skipped."""
     names = {
-        _line_kind(handle): str(handle.get_label())
+        _line_colour_and_style(handle): str(handle.get_label())
         for legend in figure.legends
         for handle in legend.legend_handles
         if isinstance(handle, Line2D)
@@ -80,7 +80,9 @@ def _panel_points(number: int, axes: Axes, names: dict[Any, str]) -> Iterator[Po
     for artist, (kind, series, trial_id, colour, rows) in enumerate(found):
         name = "" if series.startswith("_") else series
         for row in rows:
-            yield Point(*head, kind, name, trial_id, colour, artist, *map(_rounded_text, row))
+            yield Point(
+                *head, kind, name, trial_id, colour, artist, *map(_round_to_five_digits, row)
+            )
 
 
 def _axis_label(axes: Axes, siblings: Iterable[Any], get: str) -> str:
@@ -106,7 +108,7 @@ def _line_points(axes: Axes, line: Line2D, names: dict[Any, str]) -> ArtistPoint
     if line.get_linestyle() in ("None", "", " ") or len(x) == 1:
         kind = "points"
     label = str(line.get_label())
-    label = names.get(_line_kind(line), label) if label.startswith("_") else label
+    label = names.get(_line_colour_and_style(line), label) if label.startswith("_") else label
     return (
         kind,
         label,
@@ -198,7 +200,7 @@ def _line_xy(line: Line2D) -> tuple[Float, Float]:
     return x, y
 
 
-def _line_kind(line: Line2D) -> tuple[str, str]:
+def _line_colour_and_style(line: Line2D) -> tuple[str, str]:
     return _hex_colour(line.get_color()), str(line.get_linestyle())
 
 
@@ -206,7 +208,7 @@ def _hex_colour(colour: Any) -> str:
     return str(to_hex(colour))
 
 
-def _rounded_text(value: Any) -> NumberOrCategory:
+def _round_to_five_digits(value: Any) -> NumberOrCategory:
     """Value with five significant digits; empty for NaN."""
     if isinstance(value, str):
         return value

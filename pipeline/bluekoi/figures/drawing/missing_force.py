@@ -11,7 +11,7 @@ import numpy as np
 from ...campaign import Campaign
 from ...data import Float, Track
 from ...integrate import LANES, System, compile_system
-from ...integrate.batch import in_lanes, simulate_batch
+from ...integrate.batch import repeat_over_lanes, simulate_batch
 from ...model import constants_of_robot_trial, is_residual, robot_system
 
 FORCE_CHANNELS = ("surge", "sway", "yaw")
@@ -193,7 +193,7 @@ def _recorded_rates(
             kernel,
             state[rows],
             np.repeat(values[None], count, axis=0),
-            in_lanes(np.tile(fixed, (count, 1))),
+            repeat_over_lanes(np.tile(fixed, (count, 1))),
             times=one.motion[rows, 6:] + np.hstack([np.zeros_like(seconds), seconds]),
             inputs=np.tile(inputs, (count, 2, 1)),
             keep_states=True,

@@ -12,7 +12,7 @@ from ...campaign import Campaign
 from ...data import Float
 from ...design_space import OperatingCondition, steady_states
 from ...integrate import LANES, compile_system
-from ...integrate.batch import in_lanes, simulate_batch
+from ...integrate.batch import repeat_over_lanes, simulate_batch
 from ...model import Simulation, constants_of_robot_trial, simulate, two_plate_system
 
 BAND_DRAWS, MIN_BAND_DRAWS = LANES - 1, 5
@@ -51,7 +51,7 @@ def fits_at_tested_powers(campaign: Campaign) -> dict[float, FitAtPower]:
     """Results of the paper's steps at each tested power; empty before the tuning."""
     steps = campaign.coefficients.get("paper_steps", {})
     rows = [_fits_by_power(float(power), entry) for power, entry in steps.items()]
-    return {row.power_pct: row for row in sorted((r for r in rows if r), key=_fit_of_power)}
+    return {row.power_pct: row for row in sorted((r for r in rows if r), key=_power_of_fit)}
 
 
 def with_extrapolated_powers(campaign: Campaign) -> dict[float, FitAtPower]:
@@ -64,7 +64,7 @@ def with_extrapolated_powers(campaign: Campaign) -> dict[float, FitAtPower]:
         return known
     added = [p for p in EXTENDED_POWERS_PCT if p not in known]
     rows = [*known.values(), *(_extrapolated_fit(known, p) for p in added)]
-    return {row.power_pct: row for row in sorted(rows, key=_fit_of_power)}
+    return {row.power_pct: row for row in sorted(rows, key=_power_of_fit)}
 
 
 def simulate_from_rest(
@@ -87,7 +87,7 @@ def speed_from_rest(campaign: Campaign, row: FitAtPower, times: Float) -> Predic
     lanes = _coefficient_values(row)[:LANES]
     short = LANES - len(lanes)
     values = np.vstack([lanes, np.repeat(lanes[:1], short, axis=0)]).T[None]
-    fixed = in_lanes(constants_of_robot_trial(campaign.study.setup, head)[None])
+    fixed = repeat_over_lanes(constants_of_robot_trial(campaign.study.setup, head)[None])
     system = two_plate_system()
     _, states = simulate_batch(
         compile_system(system), np.zeros((1, len(system.all_states), LANES)), values, fixed,
@@ -119,7 +119,7 @@ def turn_radius(
     return float(turn_radii(campaign, row, [head_length_m], [angle_deg]).best[0])
 
 
-def radii_over_angle(
+def turn_radii_over_head_angle(
     campaign: Campaign, row: FitAtPower, head_length_m: float, angles_deg: Iterable[float]
 ) -> PredictionSweep:
     """Radii at head angles, m."""
@@ -127,7 +127,7 @@ def radii_over_angle(
     return turn_radii(campaign, row, [head_length_m] * len(angles), angles)
 
 
-def radii_over_length(
+def turn_radii_over_head_length(
     campaign: Campaign, row: FitAtPower, lengths_m: Iterable[float], angle_deg: float
 ) -> PredictionSweep:
     """Radii at head lengths, m."""
@@ -154,7 +154,7 @@ def _with_band(values: Float) -> PredictionSweep:
     return PredictionSweep(best, best * np.exp(-spread), best * np.exp(spread))
 
 
-def _fit_of_power(row: FitAtPower) -> float:
+def _power_of_fit(row: FitAtPower) -> float:
     return row.power_pct
 
 

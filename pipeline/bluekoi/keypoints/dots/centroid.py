@@ -33,7 +33,7 @@ def coverage_centroid(
     here = centre - low
     for _ in range(UNMIXING_ITERATIONS):
         away = np.hypot(u - here[0], v - here[1])
-        cover = _covered_shares(patch, away / radius)
+        cover = _dot_coverage_of_pixels(patch, away / radius)
         if cover is None:
             return centre, math.nan
         near = np.where(away < OUTSIDE_RADII * radius, cover, 0.0)
@@ -43,7 +43,7 @@ def coverage_centroid(
     return here + low, float(near.sum())
 
 
-def _covered_shares(patch: Float, away: Float) -> Float | None:
+def _dot_coverage_of_pixels(patch: Float, away: Float) -> Float | None:
     """How much of each pixel the dot covers; away: distance from its centre in radii."""
     inside, around = (
         patch[away < INSIDE_RADII],

@@ -12,7 +12,7 @@ from ...errors import InputError, did_you_mean, input_error, unreadable_reason
 from ...files import binary_format
 from .table import Table, build_table, frame_numbers
 
-HEADER_ROWS = ("scorer", "individuals", "bodyparts", "coords")
+HEADER_ROW_NAMES = ("scorer", "individuals", "bodyparts", "coords")
 COORDINATES = ("x", "y", "likelihood")
 EXPECTED_LAYOUT = "DeepLabCut's header rows scorer, bodyparts, coords"
 
@@ -71,9 +71,9 @@ def _split_header(
     path: Path, rows: list[tuple[int, list[str]]]
 ) -> tuple[dict[str, list[str]], list[tuple[int, list[str]]]]:
     header: dict[str, list[str]] = {}
-    for _, row in rows[: len(HEADER_ROWS)]:
+    for _, row in rows[: len(HEADER_ROW_NAMES)]:
         name = row[0].strip().lower()
-        if name not in HEADER_ROWS or name in header:
+        if name not in HEADER_ROW_NAMES or name in header:
             break
         header[name] = [cell.strip() for cell in row]
     missing = [name for name in ("scorer", "bodyparts", "coords") if name not in header]

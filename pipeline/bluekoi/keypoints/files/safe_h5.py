@@ -12,7 +12,7 @@ import h5py
 from ...errors import input_error
 from ...files import binary_format
 
-MAX_CELLS = 50_000_000
+MAX_DATASET_ELEMENTS = 50_000_000
 TEXT_BYTES = 512
 """A file whose first bytes are all printable is text."""
 
@@ -63,7 +63,7 @@ def local_h5_member(group: Any, name: str) -> Any:
     if isinstance(item, h5py.Dataset):
         if item.external or item.is_virtual:
             raise ValueError(f"'{name}' is stored in another file")
-        if item.size is not None and item.size > MAX_CELLS:
+        if item.size is not None and item.size > MAX_DATASET_ELEMENTS:
             raise ValueError(f"'{name}' has {item.size} cells")
     return item
 

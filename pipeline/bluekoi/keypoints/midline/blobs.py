@@ -172,7 +172,7 @@ def _blob_of_component(
     own: npt.NDArray[np.bool_], change: Image32, corner: Float, picture: ReducedImage
 ) -> Blob | None:
     """Midline of a connected component: centroids of its pixels at equal distance from one end."""
-    away = distances_from_end(np.pad(own, 1))[1:-1, 1:-1]
+    away = geodesic_distances_from_end(np.pad(own, 1))[1:-1, 1:-1]
     v, u = np.nonzero(own)
     far = away[v, u]
     bins = (far / MIDLINE_BIN_PX).astype(int)
@@ -192,7 +192,7 @@ def _blob_of_component(
 
 
 @njit(cache=True)
-def distances_from_end(own: npt.NDArray[np.bool_]) -> Float:
+def geodesic_distances_from_end(own: npt.NDArray[np.bool_]) -> Float:
     """Geodesic distance [px] within a connected mask from one of its two ends; its border is 0."""
     height, width = own.shape
     v, u = np.nonzero(own)
@@ -224,7 +224,7 @@ def distances_from_end(own: npt.NDArray[np.bool_]) -> Float:
 
 def candidate_poses(blob: Blob, plane: SwimmingPlaneMap, length_bl: float) -> list[Float]:
     """Two poses (3 + BEND_TERMS,) along the blob's midline, the thicker end as the nose first."""
-    line = plane.body_lengths(blob.line)
+    line = plane.pixels_to_body_lengths(blob.line)
     both = [line, line[::-1]] if blob.thicker >= 1 else [line[::-1], line]
     return [pose_from_midline(one, length_bl) for one in both]
 

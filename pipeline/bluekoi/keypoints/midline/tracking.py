@@ -29,7 +29,7 @@ MIN_SUPPORT, MAX_SCORE_DROP = 0.5, 0.05
 TURN_COST_PER_RAD, MOVE_COST_PER_LENGTH = 0.1, 0.1
 SEARCH_RADIUS_LENGTHS, SEARCH_RADIUS_GROWTH_LENGTHS = 0.8, 0.25
 NEIGHBOUR_DISTANCE_LENGTHS = 1.3
-TRACKED_RADIUS_LENGTHS = 4.0
+NEIGHBOUR_TRACKING_RADIUS_LENGTHS = 4.0
 START_HEADINGS, START_TOLERANCE_LENGTHS = 16, 0.12
 MASKED_COVERAGE = 0.15
 MIN_NEW_TRACK_SCORE = 0.7
@@ -68,7 +68,7 @@ def track_body(
                 body
                 for body in others
                 if body.frames_since_seen <= LOST_AFTER_FRAMES
-                and body_distance(body, target, shape) < TRACKED_RADIUS_LENGTHS
+                and body_distance(body, target, shape) < NEIGHBOUR_TRACKING_RADIUS_LENGTHS
             ]
             if not target.frames_since_seen:
                 others += _new_tracks(frame, [target, *others], arena, shape)
@@ -87,7 +87,7 @@ def _first_fit(
     found = [_best_fit_to_blob(picture, blob, arena, shape) for blob in find_blobs(picture, arena)]
     good = [one for one in found if one is not None and one.support_score > MIN_SUPPORT]
     if start_px is not None:
-        place = arena.plane.body_lengths(start_px[None])[0]
+        place = arena.plane.pixels_to_body_lengths(start_px[None])[0]
         headings = np.linspace(-math.pi, math.pi, START_HEADINGS, endpoint=False)
         straight = [np.concatenate([place, [angle], np.zeros(BEND_TERMS)]) for angle in headings]
         tried = [MidlineFit(*fit_to_image(picture, shape, arena, pose)) for pose in straight]
@@ -240,7 +240,9 @@ def _new_tracks(
     if around is None:
         return []
     middle = arena.plane.pixels(around[None, :2])[0]
-    picture = reduced_image(frame.luma, arena, middle, TRACKED_RADIUS_LENGTHS * arena.length_px)
+    picture = reduced_image(
+        frame.luma, arena, middle, NEIGHBOUR_TRACKING_RADIUS_LENGTHS * arena.length_px
+    )
     poses = [pose for body in bodies if (pose := body.last()) is not None]
     free = _mask_other_bodies(picture, poses, arena, shape)
     free.change[np.isnan(free.depth)] = 0.0

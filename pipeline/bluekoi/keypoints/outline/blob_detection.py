@@ -119,7 +119,7 @@ def _blob_of_contour(
     radius = float(cv2.distanceTransform(filled, cv2.DIST_L2, 5).max())
     places = (outline[:, 0] + np.array([x, y], dtype=float)) * step
     return Blob(
-        outline_bl=plane.body_lengths(places),
+        outline_bl=plane.pixels_to_body_lengths(places),
         area_bl2=cv2.contourArea(outline) * (step / plane.px_per_bl) ** 2,
         half_width_bl=radius * step / plane.px_per_bl,
         skin=float(np.median(luma[filled[1:-1, 1:-1] > 0])),

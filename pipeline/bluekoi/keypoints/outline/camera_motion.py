@@ -29,7 +29,7 @@ def corner_shifts(samples: Sequence[Frame], plane: SwimmingPlaneMap) -> Float:
     clear peak inside that range counts.
     """
     found = np.full((len(samples), 4, 2), np.nan)
-    far = max(4, round(MAX_SHIFT_SHARE * plane.side_px))
+    far = max(4, round(MAX_SHIFT_SHARE * plane.shorter_pool_side_px))
     for k, corner in enumerate(plane.corners_px):
         patches = [_edge_strength_patch(frame.luma, corner, plane) for frame in samples]
         first = patches[0]
@@ -68,7 +68,7 @@ def _edge_strength_patch(
     luma: LumaPicture, corner: Float, plane: SwimmingPlaneMap
 ) -> npt.NDArray[np.float32] | None:
     """Strength of the edges about a corner; None where it reaches out of the picture."""
-    half = int(PATCH_HALF_SIZE_SHARE * plane.side_px)
+    half = int(PATCH_HALF_SIZE_SHARE * plane.shorter_pool_side_px)
     u, v = (round(float(value)) for value in corner)
     height, width = luma.shape
     if not (half <= u < width - half and half <= v < height - half):
@@ -77,7 +77,7 @@ def _edge_strength_patch(
     return cv2.Laplacian(cv2.GaussianBlur(cut, (0, 0), BLUR_STD_PX), cv2.CV_32F)
 
 
-def camera_remarks(samples: Sequence[Frame], plane: SwimmingPlaneMap) -> tuple[str, ...]:
+def camera_motion_remarks(samples: Sequence[Frame], plane: SwimmingPlaneMap) -> tuple[str, ...]:
     """A remark where the corners moved together: a camera knocked, or a picture that drifts."""
     if len(samples) < 2:
         return ()

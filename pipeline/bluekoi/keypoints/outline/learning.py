@@ -13,7 +13,13 @@ from ...study import Robot, Trial
 from .blob_detection import Blob, candidate_poses, find_blobs
 from .stations import measure_stations, without_biased_stations
 from .template import OutlineTemplate, initial_template, robot_length_bl, with_learned_outline
-from .tracking import DetectionScene, OutlineFit, fit_frame, is_plausible_blob, search_ranges_px
+from .tracking import (
+    DetectionScene,
+    OutlineFit,
+    fit_template_to_frame,
+    is_plausible_blob,
+    search_ranges_px,
+)
 
 SEARCH_LENGTHS_BL = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
 AREA_PER_LENGTH_SQUARED = 0.16
@@ -73,7 +79,9 @@ def learn_template(
         if not starts:
             break
         candidates.append(
-            _refine_template(_above_median_support(starts) if candidates else starts, scene, known)
+            _refine_template(
+                _fits_with_above_median_support(starts) if candidates else starts, scene, known
+            )
         )
         if candidates[-1].support > GOOD_SUPPORT:
             break
@@ -92,7 +100,9 @@ def generic_template(template: OutlineTemplate, robot: Robot, trial: Trial) -> O
     return replace(generic, half=template.half, core_skin=template.core_skin)
 
 
-def _above_median_support(fits: list[tuple[Frame, OutlineFit]]) -> list[tuple[Frame, OutlineFit]]:
+def _fits_with_above_median_support(
+    fits: list[tuple[Frame, OutlineFit]],
+) -> list[tuple[Frame, OutlineFit]]:
     """Fits of no less than the median support: where two shapes compete, one of them."""
     support = [min(one.support[:2]) for _, one in fits]
     least = float(np.median(support))
@@ -111,7 +121,7 @@ def _refine_template(
         fits = [
             (
                 f,
-                fit_frame(
+                fit_template_to_frame(
                     f.luma,
                     scene,
                     shape,
@@ -122,25 +132,27 @@ def _refine_template(
             )
             for f, one in fits
         ]
-        kept = _near_best_support(fits)
+        kept = _fits_with_near_best_support(fits)
         seen = measure_stations(kept, scene, template, int(reach[-1]))
         template = with_learned_outline(
             template, *seen, blur_bl=PICTURE_BLUR_PX / scene.plane.px_per_bl
         )
     shape = template.shape()
     last = [
-        fit_frame(f.luma, scene, shape, one.pose, search_ranges_px(scene, 0.024, 0.024))
+        fit_template_to_frame(f.luma, scene, shape, one.pose, search_ranges_px(scene, 0.024, 0.024))
         for f, one in fits
     ]
     pairs = tuple((frame, one) for (frame, _), one in zip(fits, last, strict=True))
     offsets, _ = measure_stations(
-        _near_best_support(pairs), scene, template, int(search_ranges_px(scene, 0.024)[0])
+        _fits_with_near_best_support(pairs), scene, template, int(search_ranges_px(scene, 0.024)[0])
     )
     template = without_biased_stations(template, offsets * scene.plane.px_per_bl)
     return LearnedTemplate(template, pairs, float(np.median([one.support[2] for one in last])))
 
 
-def _near_best_support(fits: Sequence[tuple[Frame, OutlineFit]]) -> list[tuple[Frame, OutlineFit]]:
+def _fits_with_near_best_support(
+    fits: Sequence[tuple[Frame, OutlineFit]],
+) -> list[tuple[Frame, OutlineFit]]:
     """Fits not much worse than the best: a hand's blob must not enter the robot's shape."""
     best = max(one.support[2] for _, one in fits)
     return [(frame, one) for frame, one in fits if one.support[2] > best - 0.3]
@@ -209,7 +221,7 @@ def _best_start_fit(
     shape = template.shape()
     reach = search_ranges_px(scene, 0.078, 0.066, 0.054, 0.042, 0.036)
     tried = [
-        fit_frame(
+        fit_template_to_frame(
             frame.luma,
             scene,
             shape,

@@ -39,7 +39,7 @@ class SwimmingPlaneMap:
     px_per_bl: float
 
     @property
-    def side_px(self) -> float:
+    def shorter_pool_side_px(self) -> float:
         """Mean length of the pool's shorter sides in the picture, px."""
         sides = np.hypot(*(np.roll(self.corners_px, -1, axis=0) - self.corners_px).T)
         return float(min(sides[[0, 2]].mean(), sides[[1, 3]].mean()))
@@ -50,7 +50,7 @@ class SwimmingPlaneMap:
             self.to_px, self.scale_bl, np.ascontiguousarray(xy_bl, dtype=float)
         )
 
-    def body_lengths(self, uv_px: Float) -> Float:
+    def pixels_to_body_lengths(self, uv_px: Float) -> Float:
         """(n, 2) body lengths of pixels (n, 2)."""
         return evaluate_polynomial(
             self.to_bl, self.scale_px, np.ascontiguousarray(uv_px, dtype=float)

@@ -17,7 +17,7 @@ from .plane import SwimmingPlaneMap
 from .pose_fit import OutlineArrays, fit_outline_pose, information_and_edge_support
 from .tail_detection import tail_length, trace_tail
 from .template import OutlineTemplate
-from .variance import FrameQuadraticForms, covariance_kernels, variance_statistics
+from .variance import FrameQuadraticForms, covariance_kernels, frame_quadratic_forms
 
 PRIOR_PRECISION = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
 MIN_TRACKING_SUPPORT_SHARE = 0.55
@@ -80,7 +80,7 @@ def tolerance_px(scene: DetectionScene) -> float:
     return max(1.0, 0.0073 * scene.plane.px_per_bl)
 
 
-def fit_frame(
+def fit_template_to_frame(
     frame: LumaPicture,
     scene: DetectionScene,
     shape: OutlineArrays,
@@ -104,7 +104,7 @@ def fit_frame(
     signs = (
         None
         if known is None
-        else variance_statistics(found, float(pose[2]), PRIOR_PRECISION, known)
+        else frame_quadratic_forms(found, float(pose[2]), PRIOR_PRECISION, known)
     )
     pose[2] = start[2] + math.remainder(pose[2] - start[2], 2 * math.pi)
     head, core, both, nearness = share.tolist()
@@ -136,7 +136,7 @@ def best_fit_of_blobs(
         if is_plausible_blob(blob, template)
         for pose in candidate_poses(blob, template, scene.head_angle_rad)
     ]
-    tried = [fit_frame(frame, scene, shape, start, steps) for start in starts]
+    tried = [fit_template_to_frame(frame, scene, shape, start, steps) for start in starts]
     best = max(tried, key=lambda one: one.support[2], default=None)
     return best if best is not None and is_good_fit(best, scene) else None
 
@@ -175,12 +175,12 @@ def track_robot(
         one = (
             start
             if start is None
-            else fit_frame(frame.luma, scene, shape, start, steps, known=asked)
+            else fit_template_to_frame(frame.luma, scene, shape, start, steps, known=asked)
         )
         if one is None or not is_good_fit(one, scene):
             one = redetect_robot(frame.luma, scene, template, shape)
         times.append(frame.time_s)
-        fits.append(None if one is None else with_tail(frame.luma, scene, template, one))
+        fits.append(None if one is None else with_traced_tail(frame.luma, scene, template, one))
     return times, fits
 
 
@@ -199,7 +199,7 @@ def _extrapolated_pose(
     return last.pose + min(ahead, float(LOST_AFTER_FRAMES)) * (last.pose - before.pose)
 
 
-def with_tail(
+def with_traced_tail(
     frame: LumaPicture, scene: DetectionScene, template: OutlineTemplate, one: OutlineFit
 ) -> OutlineFit:
     """The fit with its tail traced, and the whole body's length."""

@@ -50,7 +50,7 @@ def covariance_kernels(points_bl: Float, normals: Float, length_bl: float) -> Fl
     return np.stack([np.eye(len(points_bl)), patch, drift * (normals @ normals.T)])
 
 
-def variance_statistics(
+def frame_quadratic_forms(
     found: tuple[Float, Float, Float], heading: float, prior: Float, known: Float
 ) -> FrameQuadraticForms:
     """Statistics of one fitted frame.

@@ -1,0 +1,55 @@
+"""Trials whose recording contradicts what trials.csv states of them.
+
+Such a trial has a track, a warning that says what contradicts, and no part in the fits: with the
+head angle of another trial it would bend all coefficients, and the verdict with them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..camera.length_warnings import deviating_lengths
+from ..campaign import Campaign
+from ..data import FlappingFrequency
+from ..motor import common_clock_ratio, deviates_from_common_clock
+from ..motor.swimming_plausibility import exchanged_recordings
+from ..pose.trial_comparison import compare_head_angles
+
+MIN_LENGTH_DEVIATION_SHARE = 0.02
+"""Deviation of a trial's rigid lengths from the others' above which it is left out: all its
+positions and speeds are wrong by that share, or its head is another one."""
+
+
+def contradicted_trials(
+    campaign: Campaign, flapping: Mapping[str, FlappingFrequency]
+) -> dict[str, str]:
+    """Trial with a track -> what of it contradicts trials.csv.
+
+    A head angle or a body length unlike the other trials'; a tail beat of another rate than the
+    motor's, unless most trials share that ratio; a recording that is exchanged with another one.
+    None where they are half of the trials or more: then it is not known which ones are wrong.
+    """
+    trials = {trial.trial_id: trial for trial in campaign.study.trials}
+    common = common_clock_ratio(flapping.values())
+    clocks = [i for i, f in flapping.items() if deviates_from_common_clock(f, common)]
+    exchanged = [i for pair in exchanged_recordings(campaign.statuses) for i in pair]
+    angles = compare_head_angles(trials, campaign.statuses).contradicted
+    lengths = deviating_lengths(campaign.geometry, MIN_LENGTH_DEVIATION_SHARE)
+    found = {
+        **dict.fromkeys(lengths, "rigid lengths"),
+        **dict.fromkeys(angles, "head angle"),
+        **dict.fromkeys([*clocks, *exchanged], "tail-beat frequency"),
+    }
+    found = {i: why for i, why in found.items() if i in campaign.tracks}
+    return found if 2 * len(found) < len(campaign.tracks) else {}
+
+
+def contradiction_warning(left_out: Mapping[str, str]) -> str:
+    """A sentence on the trials that the fits leave out, or no text."""
+    if not left_out:
+        return ""
+    names = ", ".join(f"{trial} ({why})" for trial, why in left_out.items())
+    return (
+        f"Not used in the fits, because the recording contradicts trials.csv: {names}. See the "
+        "warnings on these trials; once they are corrected, or their rows are removed, run again."
+    )

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from bluekoi.study.key_reference import FILE_MODELS, setting_keys
+from bluekoi.study.key_reference import SETTINGS_CLASS_BY_FILE, setting_keys
 
 PAGE = Path(__file__).resolve().parent / "study_keys.md"
 HEAD = """# Keys of a study
@@ -20,7 +20,10 @@ their name does not state another unit. Angles are positive counter-clockwise, s
 
 def page() -> str:
     """Text of docs/study_keys.md."""
-    return "\n".join([HEAD, *(line for file in FILE_MODELS for line in _table(file))]) + "\n"
+    return (
+        "\n".join([HEAD, *(line for file in SETTINGS_CLASS_BY_FILE for line in _table(file))])
+        + "\n"
+    )
 
 
 def _table(file: str) -> Iterator[str]:

@@ -10,12 +10,12 @@ from scipy.spatial.transform import Rotation
 
 from bluekoi.camera.boards import Board, BoardView, find_board, read_board
 from bluekoi.camera.focal_length_groups import zoom_change_remark
-from bluekoi.camera.gyroflow_profile import read_profile
+from bluekoi.camera.gyroflow_profile import read_lens_profile
 from bluekoi.camera.lens import Lens, lens_parameters, project_to_pixels
 from bluekoi.camera.lens_bundle_adjustment import fit_lens
 from bluekoi.camera.lens_calibration import (
     calibrate_files,
-    calibration_from_profile,
+    calibration_from_lens_profile,
     camera_section,
     select_lens_model,
 )
@@ -291,7 +291,7 @@ def test_hero11_profiles_become_the_same_camera_section(recordings, tmp_path):
         assert section["model"] == "fisheye"
         assert len(section["distortion"]) == 4
     wide = folder / "GoPro_HERO11 Black_Wide_16by9.json"
-    lens, rms, count = read_profile(wide)
+    lens, rms, count = read_lens_profile(wide)
     assert lens.matrix[0, 0] == pytest.approx(1796.32, abs=0.02)
     assert (lens.size_px, count) == ((3840, 2160), 30)
     assert rms == pytest.approx(0.2668, abs=2e-3)
@@ -309,10 +309,10 @@ def test_stretched_lens_modes_and_other_json_are_refused(tmp_path):
     path = tmp_path / "lens.json"
     path.write_text(json.dumps(good))
     with pytest.raises(InputError, match="lens mode hyperview"):
-        read_profile(path)
+        read_lens_profile(path)
     path.write_text("{}")
     with pytest.raises(InputError, match="not a lens profile"):
-        read_profile(path)
+        read_lens_profile(path)
 
 
 def test_a_profile_is_of_a_fisheye_whatever_is_asked(tmp_path):
@@ -340,7 +340,7 @@ def test_a_profile_that_cannot_be_right_is_refused(tmp_path, change, words):
     path = tmp_path / "lens.json"
     content = {"calib_dimension": {"w": 64, "h": 48}, "fisheye_params": lens}
     path.write_text(json.dumps(content))
-    assert "nan" not in camera_section(calibration_from_profile(path))
+    assert "nan" not in camera_section(calibration_from_lens_profile(path))
     path.write_text(json.dumps(content | {"fisheye_params": lens | change}))
     with pytest.raises(InputError, match=words):
-        read_profile(path)
+        read_lens_profile(path)

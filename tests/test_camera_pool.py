@@ -23,7 +23,7 @@ from bluekoi.camera.resection import pool_rectangle
 from bluekoi.data import Keypoints
 from bluekoi.errors import InputError
 from bluekoi.study import StudySettings
-from bluekoi.study.recording_pixels import setup_in_film_pixels, to_study_pixels
+from bluekoi.study.recording_pixels import setup_in_recording_pixels, to_study_pixels
 from paper_robot import PAPER_ROBOT
 
 MATRIX = [[1130.0, 0.0, 955.0], [0.0, 1130.0, 542.0], [0.0, 0.0, 1.0]]
@@ -244,7 +244,7 @@ def test_keypoints_outside_the_pool_are_remarked():
 @pytest.mark.parametrize("size", [(1920, 1080), (1280, 720), (1066, 600), (2880, 1620)])
 def test_a_film_scaled_alike_is_followed_by_the_whole_camera_section(size):
     given = setup_for(overhead_camera())
-    reported = setup_in_film_pixels(given, size)
+    reported = setup_in_recording_pixels(given, size)
     assert reported.camera.image_size_px == size
     by_size, by_section = pool_camera(given, size), pool_camera(reported)
     points = np.column_stack([pool_points(), np.full(60, -0.04)])
@@ -258,4 +258,4 @@ def test_a_film_scaled_alike_is_followed_by_the_whole_camera_section(size):
 
 def test_a_film_of_another_shape_is_refused():
     with pytest.raises(InputError, match="1440 x 1080"):
-        setup_in_film_pixels(setup_for(overhead_camera()), (1440, 1080))
+        setup_in_recording_pixels(setup_for(overhead_camera()), (1440, 1080))

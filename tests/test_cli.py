@@ -18,7 +18,7 @@ from click.testing import CliRunner
 from snakemake.cli import parse_config
 
 from bluekoi.cli import main
-from bluekoi.cli.outputs import refuse_study_files
+from bluekoi.cli.outputs import refuse_outputs_over_study_files
 from bluekoi.cli.run import (
     _exit_code,
     _failed_trial_lines,
@@ -523,7 +523,7 @@ def test_an_export_does_not_replace_a_file_of_the_study(tmp_path):
     (study / "motor/T09.csv").rename(study / "motor/coefficients.csv")
     edit_trials_csv(study, T09={"motor_log": "motor/coefficients.csv"})
     with pytest.raises(InputError, match="a file of the study"):
-        refuse_study_files(study, [study / "motor/coefficients.csv"])
+        refuse_outputs_over_study_files(study, [study / "motor/coefficients.csv"])
 
 
 @pytest.mark.parametrize("name", ["lab {1}", "<b>", "new\nline"])

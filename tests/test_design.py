@@ -30,7 +30,7 @@ from bluekoi.model import (
     PUBLISHED_FLAP_HZ,
     TABLE_1,
     constants_of_robot_trial,
-    simulate_at,
+    simulate_at_times,
     steady_speed_and_radius,
     two_plate_system,
 )
@@ -168,8 +168,9 @@ def test_frequency_between_tested_powers_and_beyond() -> None:
 def simulated_path(schedule, seconds: float = 8.0):
     times = np.arange(round(seconds * 60) + 1) / 60
     hz, angle = schedule.at(times)
-    return simulate_at(two_plate_system().values(TABLE_1[75]), times, np.column_stack([angle, hz]),
-                       constants_of_robot_trial(PAPER_SETUP, 0.12), np.zeros(6))  # fmt: skip
+    constants = constants_of_robot_trial(PAPER_SETUP, 0.12)
+    values, inputs = two_plate_system().values(TABLE_1[75]), np.column_stack([angle, hz])
+    return simulate_at_times(values, times, inputs, constants, np.zeros(6))
 
 
 def test_an_s_turn_turns_one_way_then_the_other() -> None:

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.engine import CauseSearchProblem, FittedCauseSet, expand_likelihood, fit_set
+from bluekoi.engine import CauseSearchProblem, FittedCauseSet, expand_likelihood, fit_cause_set
 from bluekoi.engine.evidence import (
     log_evidence,
     log_evidence_at_discrepancy_shares,
-    most_probable_shares,
+    most_probable_discrepancy_shares,
 )
 from bluekoi.engine.expansion import LikelihoodExpansion
 from bluekoi.engine.forces import rms_force_by_cause
@@ -20,7 +20,7 @@ from bluekoi.engine.set_columns import (
     PRIOR_DISCREPANCY_SHARES,
     CauseSetColumns,
     columns_of_cause_set,
-    precisions_with_shares,
+    precisions_at_discrepancy_shares,
 )
 from bluekoi.fitting import ParameterFit, fit_parameters_jointly
 from bluekoi.integrate import compile_system
@@ -47,7 +47,7 @@ def friction_fit() -> tuple[CauseSearchProblem, FittedCauseSet]:
         progress=lambda _: None,
     )
     known = {**baseline.fit.by_label(), "coulomb_friction.F_c": 0.01}
-    return problem, fit_set(problem, ("coulomb_friction",), problem.noise, known)
+    return problem, fit_cause_set(problem, ("coulomb_friction",), problem.noise, known)
 
 
 @pytest.fixture(scope="module")
@@ -124,7 +124,9 @@ def test_a_large_remainder_makes_the_largest_share_most_probable(
     hessian[0, column, column] += (30 / size) ** 2
     gradient[0, column] += 30**2 / size
     pushed = replace(expansion, hessian=hessian, gradient=gradient)
-    assert most_probable_shares(pushed, lay) == {"coulomb_friction": max(PRIOR_DISCREPANCY_SHARES)}
+    assert most_probable_discrepancy_shares(pushed, lay) == {
+        "coulomb_friction": max(PRIOR_DISCREPANCY_SHARES)
+    }
 
 
 def test_a_term_of_two_causes_may_be_as_strong_as_the_larger_share_of_them() -> None:
@@ -135,7 +137,7 @@ def test_a_term_of_two_causes_may_be_as_strong_as_the_larger_share_of_them() -> 
         discrepancy={"fin": np.array([1.0, 0.0]), "stall": np.array([4.0, 0.0])},
     )  # fmt: skip
     both = [{"fin": 0.2, "stall": 0.02}, {"fin": 0.02, "stall": 0.2}]
-    assert precisions_with_shares(lay, both) == pytest.approx(
+    assert precisions_at_discrepancy_shares(lay, both) == pytest.approx(
         np.array([[25.0, 1.0], [1.5625, 1.0]])
     )
 
@@ -146,7 +148,7 @@ def test_the_discrepancy_is_fitted_with_the_numbers_of_a_set(
     """The most probable point of both: its terms stand where likelihood and prior balance."""
     problem, model = friction_fit
     stds = {"residual.surge_u": 0.02, "residual.sway_v": 0.02}
-    both = fit_set(problem, model.causes, model.noise, model.fit.by_label(), deviations=stds)
+    both = fit_cause_set(problem, model.causes, model.noise, model.fit.by_label(), deviations=stds)
     assert both.discrepancy.keys() == stds.keys()
     assert both.log_joint > model.log_joint
     expansion = expand_likelihood(problem, both)
@@ -171,7 +173,7 @@ def test_a_fit_that_held_gains_lead_astray_lets_them_follow(
         return replace(found, normal=replace(found.normal, gradient=found.normal.gradient * np.nan))
 
     monkeypatch.setattr("bluekoi.engine.refit.fit_parameters_jointly", astray)
-    again = fit_set(problem, model.causes, model.noise, model.fit.by_label())
+    again = fit_cause_set(problem, model.causes, model.noise, model.fit.by_label())
     assert None in given
     assert again.usable
     assert again.log_likelihood == pytest.approx(model.log_likelihood, abs=0.5)

@@ -17,35 +17,35 @@ from bluekoi.engine import (
     FittedCauseSet,
     NamedCause,
     Posterior,
-    Priors,
-    candidates_of,
+    PriorInclusionProbabilities,
+    candidates_by_effect_name,
     expand_likelihood,
+    fit_cause_set,
     fit_own_noise,
-    fit_set,
     insignificance_sentence,
     insignificant_causes,
     named_causes,
     posterior_over_sets,
-    search_sets,
+    search_cause_sets,
     set_score,
     strength_estimates,
 )
-from bluekoi.engine.calibration import calibrated_probability, calibrated_shares
+from bluekoi.engine.calibration import calibrated_probability, calibrated_shares_of_alternatives
 from bluekoi.engine.collinear_terms import collinear_terms
 from bluekoi.engine.evidence import laplace_log_evidence, log_evidence
-from bluekoi.engine.expansion import expand_likelihood_in_all_forms, likely_strengths
+from bluekoi.engine.expansion import expand_likelihood_in_all_forms, one_step_strength_estimates
 from bluekoi.engine.own_noise import (
     MIN_ROUND_GAIN_LOG_LIK,
     SMALL_FORCE_CORRELATION_TIME_S,
     SMALL_FORCE_SHARE,
-    small_force_noise,
+    noise_with_small_random_forces,
 )
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
 from bluekoi.engine.set_columns import CauseSetColumns
 from bluekoi.engine.set_score import (
     expansion_with_optimum_gradient,
     refit_with_discrepancy,
-    score_set,
+    score_cause_set,
 )
 from bluekoi.engine.subset import d_optimal_trial_subset
 from bluekoi.fitting import Z_95, FreeParameter, Noise, TrialSeries, cluster_robust_covariance
@@ -243,7 +243,7 @@ def driven_mass_problem(series: list[TrialSeries]) -> CauseSearchProblem:
         series=series,
         base=SYSTEM.values({}),
         coefficients=(FreeParameter("c"),),
-        candidates=candidates_of(SYSTEM, names, Priors(cause=0.1)),
+        candidates=candidates_by_effect_name(SYSTEM, names, PriorInclusionProbabilities(cause=0.1)),
         noise=Noise(np.array([0.01]), np.array([0.3]), np.ones(1)),
     )
 
@@ -254,7 +254,7 @@ def driven_mass_problem(series: list[TrialSeries]) -> CauseSearchProblem:
      (0.3, 0.1, {"quadratic_drag", "constant_force"})],
 )  # fmt: skip
 def test_the_causes_that_act_and_no_others_are_probable(k: float, F0: float, true: set) -> None:
-    visited = search_sets(driven_mass_problem(driven_mass_trials(k, F0)))
+    visited = search_cause_sets(driven_mass_problem(driven_mass_trials(k, F0)))
     found = posterior_over_sets(visited.problem, list(visited.sets.values()))
     assert {name for name, p in found.inclusion.items() if p > 0.5} == true
     assert all(found.inclusion[name] > 0.95 for name in true)
@@ -263,7 +263,7 @@ def test_the_causes_that_act_and_no_others_are_probable(k: float, F0: float, tru
 
 def test_a_set_is_at_least_as_likely_as_its_parts() -> None:
     """Else its fit has not ended, and a cause loses to another whose fit has."""
-    visited = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
+    visited = search_cause_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
     likely = {k: visited.sets[k].model.log_joint for k in visited.converged}
     pairs = [(part, whole) for part in likely for whole in likely if part < whole]
     assert pairs
@@ -272,7 +272,7 @@ def test_a_set_is_at_least_as_likely_as_its_parts() -> None:
 
 def test_further_rounds_of_noise_and_parameters_do_not_make_a_set_less_probable() -> None:
     problem = driven_mass_problem(driven_mass_trials(0.3, 0.1))
-    gains = round_gains(search_sets(problem), {"c": 1.0})
+    gains = round_gains(search_cause_sets(problem), {"c": 1.0})
     assert len(gains) > 1
     assert min(gains) > -0.1
 
@@ -280,7 +280,7 @@ def test_further_rounds_of_noise_and_parameters_do_not_make_a_set_less_probable(
 @pytest.mark.long
 def test_the_noise_estimate_reaches_no_better_maximum_from_other_starts() -> None:
     """With the drag that acts and without it, where the random forces must explain it."""
-    visited = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.0)))
+    visited = search_cause_sets(driven_mass_problem(driven_mass_trials(0.3, 0.0)))
     found = gains_of_sets(visited, {"c": 1.0})
     assert len(found) == 2
     for gains in found:
@@ -291,7 +291,7 @@ def test_the_noise_estimate_reaches_no_better_maximum_from_other_starts() -> Non
 
 @pytest.mark.parametrize("ridge", [1e-12, 1e-8])
 def test_the_ridge_has_no_part_in_the_evidence(ridge: float, monkeypatch) -> None:
-    scored = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1))).best
+    scored = search_cause_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1))).best
     before = log_evidence(scored.expansion, scored.layout)
     monkeypatch.setattr("bluekoi.engine.evidence.DIAGONAL_RIDGE", ridge)
     assert log_evidence(scored.expansion, scored.layout) == pytest.approx(before, abs=1e-3)
@@ -324,9 +324,11 @@ def test_a_strength_is_judged_with_the_form_of_its_cause_held() -> None:
     system = replace(SYSTEM, effects=(*SYSTEM.effects[:1], drag))
     problem = replace(
         driven_mass_problem(driven_mass_trials(0.3, 0.0)), kernel=compile_system(system),
-        base=system.values({}), candidates=candidates_of(system, ["drag"], Priors(cause=0.1)),
+        base=system.values({}), candidates=candidates_by_effect_name(
+            system, ["drag"], PriorInclusionProbabilities(cause=0.1)
+        ),
     )  # fmt: skip
-    fitted = fit_own_noise(problem, fit_set(problem, ("drag",), problem.noise, {}))
+    fitted = fit_own_noise(problem, fit_cause_set(problem, ("drag",), problem.noise, {}))
     label = "drag.k"
     free = cluster_robust_covariance(fitted.fit.normal, np.ones(3, dtype=bool))
     wide = float(free.half_widths()[1]) / Z_95
@@ -338,7 +340,7 @@ def test_a_strength_is_judged_with_the_form_of_its_cause_held() -> None:
 
 
 def test_without_its_limit_the_posterior_keeps_every_set() -> None:
-    visited = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
+    visited = search_cause_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
     sets = list(visited.sets.values())
     kept = posterior_over_sets(visited.problem, sets, max_log_odds=5.0)
     whole = posterior_over_sets(visited.problem, sets, max_log_odds=np.inf)
@@ -347,7 +349,7 @@ def test_without_its_limit_the_posterior_keeps_every_set() -> None:
 
 
 def test_strengths_of_probable_causes_are_those_that_acted() -> None:
-    visited = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
+    visited = search_cause_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
     values = visited.best.model.fit.by_label()
     assert values["quadratic_drag.k"] == pytest.approx(0.3, rel=0.1)
     assert values["constant_force.F0"] == pytest.approx(0.1, rel=0.1)
@@ -357,8 +359,10 @@ def test_a_fit_begins_at_the_strength_that_the_expansion_gives() -> None:
     """Also where the sign is other than that of the usual start."""
     for true in (0.3, -0.2):
         whole = driven_mass_problem(driven_mass_trials(0.0, true))
-        first = fit_own_noise(whole, fit_set(whole, (), whole.noise, {}))
-        start = likely_strengths(whole, expand_likelihood(whole, first), "constant_force")
+        first = fit_own_noise(whole, fit_cause_set(whole, (), whole.noise, {}))
+        start = one_step_strength_estimates(
+            whole, expand_likelihood(whole, first), "constant_force"
+        )
         (value,) = start.values()
         assert value == pytest.approx(true, rel=0.3)
 
@@ -367,9 +371,9 @@ def test_a_fit_begins_at_the_strength_that_the_expansion_gives() -> None:
 def test_other_starts_of_the_noise_reach_the_same_fit(share: float) -> None:
     """Random forces of other strengths, as those of another set of causes are."""
     problem = driven_mass_problem(driven_mass_trials(0.3, 0.1))
-    other = small_force_noise(problem, problem.noise, share=share)
+    other = noise_with_small_random_forces(problem, problem.noise, share=share)
     first, again = (
-        fit_own_noise(problem, fit_set(problem, ("quadratic_drag",), noise, {}))
+        fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), noise, {}))
         for noise in (problem.noise, other)
     )
     assert again.log_joint == pytest.approx(first.log_joint, abs=MIN_ROUND_GAIN_LOG_LIK)
@@ -377,7 +381,7 @@ def test_other_starts_of_the_noise_reach_the_same_fit(share: float) -> None:
 
 def test_a_search_on_a_subset_of_many_trials_names_the_same_causes_as_one_on_all() -> None:
     whole = driven_mass_problem(driven_mass_trials(0.3, 0.1, trials=MAX_SEARCH_TRIALS + 12))
-    visited = search_sets(whole)
+    visited = search_cause_sets(whole)
     assert visited.best.model.key == {"quadratic_drag", "constant_force"}
     assert frozenset() in visited.sets  # the model without causes, with which others are compared
     assert len(visited.best.expansion.log_likelihood) == len(whole.series)
@@ -411,7 +415,7 @@ def test_order_of_the_trials_changes_no_probability() -> None:
     series = driven_mass_trials(0.3, 0.0)
     both = []
     for trials in (series, series[::-1]):
-        visited = search_sets(driven_mass_problem(trials))
+        visited = search_cause_sets(driven_mass_problem(trials))
         both.append(visited.best.log_posterior)
     assert both[0] == pytest.approx(both[1], abs=0.5)
 
@@ -419,7 +423,7 @@ def test_order_of_the_trials_changes_no_probability() -> None:
 def test_a_set_that_one_trial_alone_supports_is_less_sure_than_its_evidence() -> None:
     series = driven_mass_trials(0.0, 0.0)
     odd = replace(series[0], seen=series[0].seen + 0.004 * series[0].times[:, None] ** 2)
-    visited = search_sets(driven_mass_problem([odd, *series[1:]]))
+    visited = search_cause_sets(driven_mass_problem([odd, *series[1:]]))
     found = posterior_over_sets(visited.problem, list(visited.sets.values()))
     logs = np.array([s.log_posterior for s in found.sets])
     plain = np.exp(logs - logs.max()) / np.exp(logs - logs.max()).sum()
@@ -462,7 +466,7 @@ def test_alternatives_in_one_place_are_not_both_named() -> None:
 
 def test_of_two_alternatives_the_calibrated_shares_are_the_calibrated_probabilities() -> None:
     for p in (0.5, 0.8, 0.99):
-        shares = calibrated_shares({"lag": p, "mass": 1.0 - p})
+        shares = calibrated_shares_of_alternatives({"lag": p, "mass": 1.0 - p})
         assert shares["lag"] == pytest.approx(calibrated_probability(p))
         assert sum(shares.values()) == pytest.approx(1.0)
 
@@ -499,10 +503,10 @@ def test_a_force_that_no_candidate_describes_leaves_its_place_unnamed() -> None:
 def test_evidence_is_taken_at_the_better_fit_of_a_set() -> None:
     """A fit that is not converged has a lower joint density, whatever it extrapolates."""
     whole = driven_mass_problem(driven_mass_trials(0.3, 0.0))
-    good = search_sets(whole).sets[frozenset({"quadratic_drag"})]
+    good = search_cause_sets(whole).sets[frozenset({"quadratic_drag"})]
     start = good.model.fit.by_label() | {"quadratic_drag.k": 0.15}
-    poor = score_set(
-        whole, fit_set(whole, ("quadratic_drag",), good.model.noise, start, iterations=0)
+    poor = score_cause_set(
+        whole, fit_cause_set(whole, ("quadratic_drag",), good.model.noise, start, iterations=0)
     )
     assert good.log_joint > poor.log_joint + 5.0
     assert good.log_posterior > poor.log_posterior + 4.0
@@ -511,7 +515,7 @@ def test_evidence_is_taken_at_the_better_fit_of_a_set() -> None:
 def test_evidence_is_not_extrapolated_along_a_slope_at_the_fit() -> None:
     """With held gains a fit rests where the likelihood still has a slope that no refit follows."""
     whole = driven_mass_problem(driven_mass_trials(0.3, 0.0))
-    fitted = search_sets(whole).sets[frozenset({"quadratic_drag"})]
+    fitted = search_cause_sets(whole).sets[frozenset({"quadratic_drag"})]
     gradient = fitted.expansion.gradient.sum(axis=0)[list(fitted.expansion.own)]
     assert np.abs(gradient[~fitted.model.at_bound]).max() < 1e-6
 
@@ -519,7 +523,7 @@ def test_evidence_is_not_extrapolated_along_a_slope_at_the_fit() -> None:
 def test_a_number_at_its_bound_promises_no_gain_from_leaving_it() -> None:
     """The fit has ended there; a slope away from the bound is one of held gains."""
     whole = driven_mass_problem(driven_mass_trials(0.0, -0.1))
-    model = fit_set(whole, ("quadratic_drag",), whole.noise, {"quadratic_drag.k": 0.0})
+    model = fit_cause_set(whole, ("quadratic_drag",), whole.noise, {"quadratic_drag.k": 0.0})
     values, place = model.fit.values.copy(), 1
     values[place] = 0.0
     at_zero = replace(
@@ -546,8 +550,8 @@ def problem_with_a_discrepancy() -> CauseSearchProblem:
 def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> None:
     """Where fits with the discrepancy end lower, the evidence is that of none, at an optimum."""
     problem, label = problem_with_a_discrepancy(), "constant_force.F0"
-    fitted = fit_own_noise(problem, fit_set(problem, ("quadratic_drag",), problem.noise, {}))
-    scored = score_set(problem, fitted)
+    fitted = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    scored = score_cause_set(problem, fitted)
     reached = refit_with_discrepancy(problem, scored)
     assert reached.model.deviations.keys() == {label}
     assert reached.log_joint > scored.log_joint
@@ -555,7 +559,9 @@ def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> No
     def ends_early(
         problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise, **given
     ) -> FittedCauseSet:
-        return fit_set(problem, model.causes, noise, {"c": 3.0}, iterations=0, passes=1, **given)
+        return fit_cause_set(
+            problem, model.causes, noise, {"c": 3.0}, iterations=0, passes=1, **given
+        )
 
     monkeypatch.setattr(set_score, "refit_from_fitted_values", ends_early)
     monkeypatch.setattr(set_score, "fit_own_noise", lambda problem, model, **_: model)
@@ -571,8 +577,8 @@ def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> No
 def test_the_prior_of_a_discrepancy_is_that_of_the_forces_at_the_fit(monkeypatch) -> None:
     """The fit changes the forces that the prior is relative to: it is repeated until both agree."""
     problem, label = problem_with_a_discrepancy(), "constant_force.F0"
-    model = fit_own_noise(problem, fit_set(problem, ("quadratic_drag",), problem.noise, {}))
-    scored = score_set(problem, model)
+    model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    scored = score_cause_set(problem, model)
     stds = iter([1.0, 0.5, 0.2, 0.2, 0.2])
     monkeypatch.setattr(
         set_score, "most_probable_discrepancy", lambda *_: {label: (0.05, next(stds))}
@@ -587,15 +593,17 @@ def test_a_residual_term_collinear_with_a_cause_is_no_candidate_of_its_own() -> 
     copy = _effect("copy", quadratic_drag, Parameter("k", "1/m", 0.5, -20.0, 20.0, ""))
     system = replace(SYSTEM, effects=(*SYSTEM.effects, copy))
     names = ["quadratic_drag", "constant_force", "copy"]
-    drag, force, twin = candidates_of(system, names, Priors(cause=0.1))
+    drag, force, twin = candidates_by_effect_name(
+        system, names, PriorInclusionProbabilities(cause=0.1)
+    )
     residual = {"kind": "residual", "sources": source}
     problem = replace(
         driven_mass_problem(driven_mass_trials(0.3, 0.0)), kernel=compile_system(system),
         base=system.values({}), candidates=(replace(drag, sources=source),
         replace(force, **residual), replace(twin, **residual)),
     )  # fmt: skip
-    bare = fit_set(problem, (), problem.noise, {})
+    bare = fit_cause_set(problem, (), problem.noise, {})
     assert collinear_terms(problem, *expand_likelihood_in_all_forms(problem, bare)) == {"copy"}
-    visited = search_sets(problem)
+    visited = search_cause_sets(problem)
     assert visited.best.causes == ("quadratic_drag",)
     assert not any("copy" in key for key in visited.sets)

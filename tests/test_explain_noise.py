@@ -17,7 +17,7 @@ from bluekoi.explain.comparison import HeldOutErrors, unconfirmed_sentence
 from bluekoi.explain.fit_quality import MAX_ERROR_OVER_STATED
 from bluekoi.explain.preparation import prepare_cause_search, with_correlation_over_a_frame
 from bluekoi.explain.results_json import verdict_sentence
-from bluekoi.explain.trials import cut_at_gaps
+from bluekoi.explain.trials import split_trials_at_gaps
 from bluekoi.fitting import Noise
 from bluekoi.fitting.linear import NoiseGradient
 from bluekoi.fitting.noise import _log_gradient
@@ -179,7 +179,7 @@ def with_gap(trial: Trial, first_s: float, last_s: float) -> Trial:
 def test_a_gap_in_the_inputs_does_not_spoil_the_other_trials():
     trials = cart_trials()
     trials[1] = with_gap(trials[1], 2.0, 6.0)
-    parts = cut_at_gaps(MODEL, trials)
+    parts = split_trials_at_gaps(MODEL, trials)
     assert [t.name for t in parts] == ["r0", "r1/1", "r1/2", "r2", "r3"]
     assert [t.condition for t in parts[1:3]] == ["r1", "r1"]
     assert [len(t.times) for t in parts[1:3]] == [50, 50]
@@ -192,15 +192,18 @@ def test_times_in_packets_are_not_cut_and_a_measurement_of_a_whole_trial_counts_
     (trial,) = cart_trials(1)
     packets = 0.5 * np.floor(trial.times / 0.5) + 1e-6 * np.arange(len(trial.times))
     grouped = replace(trial, times=packets)
-    assert cut_at_gaps(MODEL, [grouped]) == [grouped]
+    assert split_trials_at_gaps(MODEL, [grouped]) == [grouped]
     measured = replace(with_gap(trial, 2.0, 6.0), evidence={"mass": (1.0, 0.1)})
-    assert [t.evidence for t in cut_at_gaps(MODEL, [measured])] == [{"mass": (1.0, 0.1)}, {}]
+    assert [t.evidence for t in split_trials_at_gaps(MODEL, [measured])] == [
+        {"mass": (1.0, 0.1)},
+        {},
+    ]
 
 
 def test_a_gap_without_inputs_is_not_cut():
     free = replace(MODEL, inputs=())
     trials = [with_gap(t, 2.0, 6.0) for t in cart_trials(1)]
-    assert cut_at_gaps(free, trials) == trials
+    assert split_trials_at_gaps(free, trials) == trials
 
 
 def test_errors_far_smaller_than_stated_are_a_warning():

@@ -327,14 +327,14 @@ def test_a_trial_along_which_the_filter_ran_away_is_left_out_of_the_missing_forc
 def test_files_are_the_same_bytes_every_time_and_carry_their_words(tmp_path, complete_campaign):
     for folder in ("a", "b"):
         paths = (tmp_path / folder / "fig6.png", tmp_path / folder / "fig6.pdf")
-        figures.draw_file("fig6", complete_campaign, *paths)
+        figures.write_figure_files("fig6", complete_campaign, *paths)
     for name in ("fig6.png", "fig6.pdf"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     assert b"CreationDate" not in (tmp_path / "a" / "fig6.pdf").read_bytes()
     with Image.open(tmp_path / "a" / "fig6.png") as image:
         assert image.text["Title"] == figures.figure_title("fig6")
         assert "Comment" not in image.text
-    figures.draw_file(
+    figures.write_figure_files(
         "mismatch_map", exact_campaign(powers=(75,)), tmp_path / "n.png", tmp_path / "n.pdf"
     )
     with Image.open(tmp_path / "n.png") as image:
@@ -396,7 +396,9 @@ def test_errors_below_the_detector_accuracy_are_hollow(complete_campaign):
 
 
 def test_a_figure_is_written_as_csv_with_the_data_of_each_trial(tmp_path, complete_campaign):
-    figures.draw_file("paths", complete_campaign, tmp_path / "paths.png", tmp_path / "paths.pdf")
+    figures.write_figure_files(
+        "paths", complete_campaign, tmp_path / "paths.png", tmp_path / "paths.pdf"
+    )
     with (tmp_path / "paths.csv").open(encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["trial_id"] == "T02"]
     track = complete_campaign.tracks["T02"]

@@ -13,7 +13,7 @@ import pytest
 from bluekoi import smoothing
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.data import FlappingFrequency
-from bluekoi.engine import NamedCause, Priors, candidates_of
+from bluekoi.engine import NamedCause, PriorInclusionProbabilities, candidates_by_effect_name
 from bluekoi.engine.fitted_sets import FittedCauseSets
 from bluekoi.engine.naming import UNLISTED_FORCE_LABEL
 from bluekoi.errors import InputError
@@ -37,13 +37,13 @@ from bluekoi.mismatch.drift import fisher_p_value, trial_with_camera_drift
 from bluekoi.mismatch.find import verdict_of
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen_frames, trial_segments
 from bluekoi.mismatch.next_trial import best_next_trial, disagreement_text
-from bluekoi.mismatch.results_json import details_json, mismatch_json
+from bluekoi.mismatch.results_json import mismatch_detail_json, mismatch_json
 from bluekoi.mismatch.robot_problem import robot_problem, undetermined_cause_warnings
 from bluekoi.mismatch.sentences import verdict_sentence
 from bluekoi.mismatch.wrong_clock import trials_with_wrong_clock, with_constant_clock_error
 from bluekoi.model import two_plate_system
 from bluekoi.pose import rigid_pose
-from bluekoi.stages.clock_factor import CLOCK_STD_SHARE
+from bluekoi.stages.clock_factor import MIN_CLOCK_RATIO_STD_SHARE
 from bluekoi.stages.clock_measurement import (
     STATED_FREQUENCY_STD_SHARE,
     with_clock_measurement,
@@ -53,7 +53,7 @@ from bluekoi.stages.layout import ResultPaths
 from bluekoi.stages.mismatch import (
     refuse_single_trial,
     with_delay_measurement,
-    with_nose_distances,
+    with_keypoint_distances_from_nose,
     with_rigid_length_measurement,
 )
 from bluekoi.stages.motor_measurements import with_frequency_drift, with_spin_up_time_measurement
@@ -131,7 +131,7 @@ def test_force_of_an_addition_is_what_its_law_gives(
 
 def test_demo_details_are_complete(demo: tuple[MeasuredStudy, MismatchResult]) -> None:
     m, found = demo
-    result = to_json_types(details_json(found))
+    result = to_json_types(mismatch_detail_json(found))
     assert set(result["forces"]) == {s.name for s in m.series}
     assert {"causes", "probability", "log_posterior"} <= set(result["sets"][0])
     assert result["coefficients"]["before"]["C_T"]["value"] > 0
@@ -315,7 +315,7 @@ def test_only_placed_keypoints_are_seen_from_the_nose(
         for one in m.series:
             layout.detection(one.name).parent.mkdir(parents=True, exist_ok=True)
             layout.detection(one.name).write_text(json.dumps({"source": source}))
-        series = with_nose_distances(m.series, study, layout)
+        series = with_keypoint_distances_from_nose(m.series, study, layout)
         return np.array([s.constants[slots.index("ahead")] for s in series])
 
     assert not ahead(m.study, "deeplabcut").any()
@@ -513,7 +513,7 @@ def test_a_tail_beat_off_by_one_share_is_a_wrong_clock_although_trials_scatter()
 
 
 def test_a_frequency_stated_for_several_trials_at_once_says_less_of_the_clock() -> None:
-    assert clock_evidence([-0.025] * 9)[1] == pytest.approx(CLOCK_STD_SHARE / 3)
+    assert clock_evidence([-0.025] * 9)[1] == pytest.approx(MIN_CLOCK_RATIO_STD_SHARE / 3)
     _, std = clock_evidence([-0.025] * 9, "flap_hz")
     assert std == pytest.approx(STATED_FREQUENCY_STD_SHARE, rel=0.01)
 
@@ -530,7 +530,7 @@ def test_a_frequency_stated_of_a_part_of_a_trial_that_slows_down_says_less_of_th
     slower = {name: replace(beat, drift_per_s=-0.005) for name, beat in beats.items()}
     found = np.array([s.evidence["clock_ratio"] for s in with_clock_measurement(long, slower)])
     std = float(np.mean(found[:, 1])) / 3
-    assert std == pytest.approx(np.hypot(least, CLOCK_STD_SHARE / 3), rel=0.01)
+    assert std == pytest.approx(np.hypot(least, MIN_CLOCK_RATIO_STD_SHARE / 3), rel=0.01)
 
 
 def test_a_wrong_clock_in_some_trials_is_measured_in_these_alone() -> None:
@@ -607,7 +607,9 @@ def test_the_drift_of_the_flapping_frequency_is_measured_in_each_trial(
 
 def test_a_clock_drifts_only_where_a_motor_log_is_compared_with_it() -> None:
     """Without one, a tail beat that drifts is the motor's."""
-    candidates = candidates_of(two_plate_system(), ["clock_error", "battery_sag"], Priors())
+    candidates = candidates_by_effect_name(
+        two_plate_system(), ["clock_error", "battery_sag"], PriorInclusionProbabilities()
+    )
     for source, has_drift in (("motor_log", True), ("flap_hz", False)):
         measured = with_clock_measurement(*clock_series([-0.02] * 9, source))
         clock, sag = with_constant_clock_error(candidates, measured)

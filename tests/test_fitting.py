@@ -25,9 +25,9 @@ from bluekoi.fitting import (
 )
 from bluekoi.fitting.bootstrap import parametric_bootstrap
 from bluekoi.fitting.bounded_step import bounded_step
-from bluekoi.fitting.gram import set_whitened_products
+from bluekoi.fitting.gram import add_whitened_column_products
 from bluekoi.fitting.linear import linearised, log_likelihood, log_likelihood_gradient
-from bluekoi.fitting.trial_effects import drawn_trial_effects
+from bluekoi.fitting.trial_effects import sample_trial_effects
 from bluekoi.integrate import compile_system
 from mass_model import SYSTEM
 
@@ -169,7 +169,7 @@ def test_whitened_products_are_those_of_matrices() -> None:
     places = np.zeros((2, 18), dtype=np.int64)
     places[0, 1:4], places[1, 1:18] = [2, 5, 19], np.arange(1, 18)
     frames, out = np.array([70, 90]), np.zeros((2, 20, 20))
-    set_whitened_products(observed, seen, roots, frames, np.array([0, 1, 3]), places,
+    add_whitened_column_products(observed, seen, roots, frames, np.array([0, 1, 3]), places,
                           np.array([4, 18]), (0, 2), out)  # fmt: skip
     for t, blocks in enumerate((observed[:1], observed[1:])):
         n, count = frames[t], (4, 18)[t]
@@ -329,9 +329,9 @@ def test_noise_must_be_positive() -> None:
 
 def test_drawn_trial_effects_are_those_of_fitted_trials_and_one_for_each_trial() -> None:
     known, rng = np.array([[0.1, 1.0], [-0.2, 2.0], [0.3, 3.0]]), np.random.default_rng(2)
-    drawn = drawn_trial_effects(known, ["A", "A", "B"] * 50, rng)
+    drawn = sample_trial_effects(known, ["A", "A", "B"] * 50, rng)
     assert {tuple(row) for row in drawn} <= {tuple(row) for row in known}
     assert len({tuple(row) for row in drawn[0::3]}) == 1
     assert np.array_equal(drawn[0::3], drawn[1::3])
-    many = drawn_trial_effects(known, [f"T{i}" for i in range(60)], rng)
+    many = sample_trial_effects(known, [f"T{i}" for i in range(60)], rng)
     assert len({tuple(row) for row in many}) == len(known)

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from bluekoi.integrate import LANES, System, compile_system
 from bluekoi.integrate.batch import simulate_batch, threaded_map
 from bluekoi.integrate.branchless import branchless_power, exponential
-from bluekoi.integrate.inlining import InlinedCode, inlined
+from bluekoi.integrate.inlining import InlinedCode, inlined_expressions
 from bluekoi.integrate.writing import kernel_source
 from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, constants_of_robot_trial, two_plate_system
 from paper_robot import PAPER_SETUP
@@ -225,7 +225,7 @@ def function_with_helper(x: float, zero: float) -> tuple[float, float]:
 
 def test_straight_lines_are_written_out_and_branches_called() -> None:
     lines = InlinedCode()
-    values = inlined(function_with_helper, ["a", "0.0"], lines)
+    values = inlined_expressions(function_with_helper, ["a", "0.0"], lines)
     assert list(lines.called.values()) == [function_with_branch]
     (name,) = lines.called
     assert lines.written == [

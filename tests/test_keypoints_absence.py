@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from bluekoi.keypoints.outline.absence import absence_reason
+from bluekoi.keypoints.outline.absence import robot_not_found_reason
 from bluekoi.keypoints.outline.plane import SwimmingPlaneMap
 
 CORNERS = np.array([[10.0, 290.0], [390.0, 290.0], [390.0, 10.0], [10.0, 10.0]])
@@ -43,5 +43,5 @@ def pictures_of_bodies(bodies: int, contrast: int = 80, half_px: tuple[int, int]
     ids=["too small", "no contrast", "another size", "several bodies", "another shape"],
 )
 def test_the_reason_names_size_contrast_number_or_shape(seen, px_per_bl, words):
-    text = absence_reason(list(pictures_of_bodies(*seen)), make_plane(px_per_bl), 1.0)
+    text = robot_not_found_reason(list(pictures_of_bodies(*seen)), make_plane(px_per_bl), 1.0)
     assert all(word in text for word in words), text

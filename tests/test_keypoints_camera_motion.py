@@ -12,7 +12,7 @@ from bluekoi.keypoints.outline.camera_motion import (
     corner_shifts,
     corner_shifts_of_camera_motion,
 )
-from bluekoi.keypoints.outline.plane import SwimmingPlaneMap, swimming_plane
+from bluekoi.keypoints.outline.plane import SwimmingPlaneMap, swimming_plane_map
 from bluekoi.study import StudySettings
 
 CORNERS = ((60.0, 420.0), (580.0, 420.0), (580.0, 100.0), (60.0, 100.0))
@@ -24,7 +24,7 @@ def make_plane() -> SwimmingPlaneMap:
         "mass_kg": 1, "yaw_inertia_kg_m2": 0.005, "body_length_m": 0.3, "head_length_m": 0.12,
         "head_span_m": 0.07, "hinge_to_com_m": 0.04, "tail_length_m": 0.06,
     }  # fmt: skip
-    return swimming_plane(StudySettings(robot=robot, camera={"pool_corners_px": CORNERS}))
+    return swimming_plane_map(StudySettings(robot=robot, camera={"pool_corners_px": CORNERS}))
 
 
 def pool_picture(move: np.ndarray | None = None) -> np.ndarray:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from bluekoi.data import BODY_PART_NAMES, Keypoints, is_confident
 from bluekoi.errors import InputError
 from bluekoi.keypoints import deeplabcut, source_module, source_names
-from bluekoi.keypoints.files.noise import white_noise_px
+from bluekoi.keypoints.files.noise import frame_to_frame_noise_std_px
 from bluekoi.study import Trial
 from keypoint_files import read_all_parts
 
@@ -226,7 +226,7 @@ def test_white_noise_is_found_under_swimming_tail_beat_and_outliers(sigma):
     motion = 200 * t + 15 * np.sin(2 * np.pi * 5.8 * t) * np.minimum(1, t)
     xy = np.column_stack([motion, 0.5 * motion]) + rng.normal(0, sigma, (240, 2))
     xy[::40] += 60.0
-    assert white_noise_px(xy, np.ones(240)) == pytest.approx(sigma, rel=0.35)
+    assert frame_to_frame_noise_std_px(xy, np.ones(240)) == pytest.approx(sigma, rel=0.35)
 
 
 @pytest.mark.parametrize(

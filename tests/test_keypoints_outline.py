@@ -21,7 +21,7 @@ from bluekoi.keypoints.outline.background import (
 )
 from bluekoi.keypoints.outline.edges import edge_offset
 from bluekoi.keypoints.outline.ghost_removal import _write_unhidden_median
-from bluekoi.keypoints.outline.plane import swimming_plane
+from bluekoi.keypoints.outline.plane import swimming_plane_map
 from bluekoi.keypoints.outline.tail_detection import tail_length
 from bluekoi.keypoints.outline.template import (
     initial_template,
@@ -108,7 +108,7 @@ def test_plane_agrees_with_independent_optics():
     design = picture_conditions_design(PICTURE_CONDITIONS_BY_NAME["middle"])
     trial = solve_trial(design, STRAIGHT)
     truth = frame_truth(design, trial)
-    plane = swimming_plane(setup_of_design(design))
+    plane = swimming_plane_map(setup_of_design(design))
     m, px = (truth[k].reshape(-1, 2) for k in ("keypoints_m", "keypoints_px"))
     length_m = design.tank.robot.body_length_m
     assert np.abs(plane.pixels(m / length_m) - px).max() < 0.06
@@ -124,7 +124,7 @@ def test_the_plane_is_as_near_as_it_says_whatever_the_lens(lens):
     setup = setup_of_design(design)
     x, y = np.meshgrid(np.linspace(0.03, 2.55, 41), np.linspace(0.02, 1.57, 29))
     places = np.column_stack([x.ravel(), y.ravel()])
-    plane = swimming_plane(setup)
+    plane = swimming_plane_map(setup)
     seen = pool_to_pixels(
         pool_camera(setup), np.column_stack([places, np.full(len(places), -0.04)])
     )

@@ -17,14 +17,14 @@ from bluekoi.synthetic.design import picture_conditions_design
 from bluekoi.synthetic.footage import render_frames
 from bluekoi.synthetic.optics import pool_corners
 from bluekoi.synthetic.picture_conditions import PICTURE_CONDITIONS_BY_NAME
-from bluekoi.synthetic.trial import camera_at, frame_truth, solve_trial
+from bluekoi.synthetic.trial import camera_of_design_at_time, frame_truth, solve_trial
 
 RIGID_KEYPOINTS = (0, 1, 2)
 STRAIGHT, LEFT, RIGHT = "T01", "T02", "T03"
 
 
 def setup_of_design(design, **detection) -> StudySettings:
-    camera, tank = camera_at(design, -1.0), design.tank
+    camera, tank = camera_of_design_at_time(design, -1.0), design.tank
     (fx, fy), (cx, cy) = camera.focal_px, camera.middle_px
     robot = {name: getattr(tank.robot, name) for name in tank.robot.__dataclass_fields__}
     return StudySettings(

@@ -9,8 +9,8 @@ from bluekoi.preparation.prefill import (
     StudyFiles,
     blank_study_yaml,
     condition_from_file_name,
+    prefilled_trial_rows,
     study_files,
-    trial_rows,
     trials_csv,
 )
 from bluekoi.study.study_yaml import read_study_settings
@@ -41,7 +41,7 @@ def test_files_are_distinguished_and_ordered_as_people_count(tmp_path):
 
 def test_rows_have_source_log_and_condition_where_they_are_known(tmp_path):
     names = ["p50_phi-20.mp4", "70pct.mov", "logs/motor_70pct.csv", "a/T1.mp4", "b/T1.mp4"]
-    rows = trial_rows(study_files(make_folder(tmp_path, names)), 0.12)
+    rows = prefilled_trial_rows(study_files(make_folder(tmp_path, names)), 0.12)
     found = {row["source"]: row for row in rows}
     assert found["p50_phi-20.mp4"]["power_pct"] == "50"
     assert found["p50_phi-20.mp4"]["head_angle_deg"] == "-20"
@@ -53,7 +53,7 @@ def test_rows_have_source_log_and_condition_where_they_are_known(tmp_path):
 
 def test_one_motor_log_is_not_given_to_two_recordings_of_one_name():
     files = StudyFiles(("a/p50.mp4", "b/p50.mp4", "b/p70.mp4"), (), ("p50.csv", "p70.csv"))
-    assert [row.get("motor_log") for row in trial_rows(files)] == [None, None, "p70.csv"]
+    assert [row.get("motor_log") for row in prefilled_trial_rows(files)] == [None, None, "p70.csv"]
 
 
 def test_numbers_that_no_trial_has_are_not_taken_from_a_name():
@@ -66,7 +66,7 @@ def test_numbers_that_no_trial_has_are_not_taken_from_a_name():
 
 def test_chapters_of_one_recording_make_one_row(tmp_path):
     names = ["GX020007.MP4", "GX010007.MP4", "GX010008.MP4"]
-    rows = trial_rows(study_files(make_folder(tmp_path, names)))
+    rows = prefilled_trial_rows(study_files(make_folder(tmp_path, names)))
     assert [row["source"] for row in rows] == ["GX010007.MP4;GX020007.MP4", "GX010008.MP4"]
 
 
@@ -108,4 +108,4 @@ def test_a_folder_of_many_pictures_is_a_recording_and_one_of_few_is_not(tmp_path
     names = [f"T1/{i}.png" for i in range(60)] + [f"board/{i}.jpg" for i in range(20)]
     found = study_files(make_folder(tmp_path, names))
     assert found.pictures == ("T1/",)
-    assert [(r["trial_id"], r["source"]) for r in trial_rows(found)] == [("T1", "T1/")]
+    assert [(r["trial_id"], r["source"]) for r in prefilled_trial_rows(found)] == [("T1", "T1/")]

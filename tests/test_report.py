@@ -77,7 +77,7 @@ def campaign_with_causes() -> Campaign:
 def test_the_page_is_well_formed_and_needs_no_network(tmp_path, campaign_with_causes):
     for name in ("fig3", "paths"):
         draw = tmp_path / "figures" / name
-        figures.draw_file(
+        figures.write_figure_files(
             name, campaign_with_causes, draw.with_suffix(".png"), draw.with_suffix(".pdf")
         )
     text = write_page(campaign_with_causes, tmp_path)
@@ -164,7 +164,9 @@ def test_a_diverged_model_is_reported_as_diverging(tmp_path, campaign_with_cause
         "noise_floor_path_rmse_m": 2.9e28}}  # fmt: skip
     base = Campaign(**{**campaign_with_causes.__dict__, "mismatch": mismatch})
     draw = tmp_path / "figures/mismatch_held_out"
-    figures.draw_file("mismatch_held_out", base, draw.with_suffix(".png"), draw.with_suffix(".pdf"))
+    figures.write_figure_files(
+        "mismatch_held_out", base, draw.with_suffix(".png"), draw.with_suffix(".pdf")
+    )
     text = write_page(base, tmp_path)
     assert text.count("<td>diverges</td>") == 4
     assert "× 10" not in text[text.index("<h3>Errors on held-out") : text.index("Held out:")]

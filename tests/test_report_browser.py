@@ -124,7 +124,7 @@ def page(tmp_path_factory) -> Path:
     folder, found = tmp_path_factory.mktemp("page"), campaign_with_damping_found(exact_campaign())
     for name in ("fig3", "mismatch_map"):
         draw = folder / "figures" / name
-        figures.draw_file(name, found, draw.with_suffix(".png"), draw.with_suffix(".pdf"))
+        figures.write_figure_files(name, found, draw.with_suffix(".png"), draw.with_suffix(".pdf"))
     write_trial_overlay(found, "T02", folder, folder / "overlays" / "T02.mp4")
     return write_page(found, folder)
 

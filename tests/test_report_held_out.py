@@ -59,7 +59,7 @@ def test_the_figure_states_which_trials_it_shows(small_campaign: Campaign, tmp_p
     assert "(A) Errors of the baseline model (before, orange)" in figures.figure_caption(
         name, small_campaign
     )
-    figures.draw_file(name, small_campaign, tmp_path / "a.png", tmp_path / "a.pdf")
+    figures.write_figure_files(name, small_campaign, tmp_path / "a.png", tmp_path / "a.pdf")
     assert b"too small to hold trials out" in (tmp_path / "a.png").read_bytes()
 
 

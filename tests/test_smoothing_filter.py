@@ -16,7 +16,7 @@ from bluekoi.smoothing.kalman_filterpy import (
     filter_and_smooth,
 )
 from bluekoi.smoothing.linear_gaussian import LinearGaussianModel, SmoothedStates
-from bluekoi.smoothing.motion import heading_matrices, planar_matrices, planar_measurement
+from bluekoi.smoothing.motion import heading_matrices, planar_matrices, planar_observation_matrix
 from bluekoi.smoothing.nominal_motion import nominal_motion_without_onset, rough_speed
 from bluekoi.smoothing.quasi_newton import minimise
 from exact_motions import CameraConditions, circle, frame_times, observed_pose, start_from_rest
@@ -36,7 +36,7 @@ def planar_model(recoil: bool) -> tuple[LinearGaussianModel, np.ndarray]:
     d = F.shape[1]
     used = np.isfinite(pose.values[:, 0])
     z = np.where(used[:, None], pose.values[:, :2], 0.0)
-    H = planar_measurement(truth.heading, hz)
+    H = planar_observation_matrix(truth.heading, hz)
     P0 = np.diag([1.0] * 2 + [0.3] * 4 + [1e-5] * (d - 6))
     return LinearGaussianModel(F, Q, H, pose.cov[:, :2, :2], z, np.zeros(d), P0), used
 
@@ -174,7 +174,11 @@ def test_rough_speed_follows_a_start_and_no_tail_beat():
         truth, np.random.default_rng(4), CameraConditions(hz=5.82, gap_s=(2.0, 2.3))
     )
     grid = filter_grid(pose.time_s, 5.82)
-    found = rough_speed(grid.on_nodes(pose.values[:, :2]), grid.on_nodes(pose.cov[:, :2, :2]), grid)
+    found = rough_speed(
+        grid.frame_values_on_nodes(pose.values[:, :2]),
+        grid.frame_values_on_nodes(pose.cov[:, :2, :2]),
+        grid,
+    )
     assert np.abs(found[grid.frame] - truth.speed).max() < 0.08
 
 
@@ -207,7 +211,7 @@ def test_grid_has_nodes_where_frames_are_far_apart():
     grid = filter_grid(t, 0.0)
     assert grid.time_s[grid.frame] == pytest.approx(t)
     assert grid.dt_s.max() <= 1.5
-    assert np.isnan(grid.on_nodes(t)[~grid.frame]).all()
+    assert np.isnan(grid.frame_values_on_nodes(t)[~grid.frame]).all()
     assert filter_grid(np.arange(20) / 30, 2.37).scale_s == pytest.approx(1 / 2.37)
 
 

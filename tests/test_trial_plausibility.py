@@ -32,11 +32,11 @@ from bluekoi.pose import rigid_pose
 from bluekoi.pose.plausibility import checked_rigid_pose, first_jump, plausibility_findings
 from bluekoi.pose.trial_comparison import comparison_warnings
 from bluekoi.preparation.input_check import check_files, file_findings
-from bluekoi.stages.contradicted_trials import contradicted_trials, contradiction_warning
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.head_angle_sign import head_angle_sign_finding
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.tracks import _with_clock_remark, tracks
+from bluekoi.stages.trial_exclusion import contradicted_trials, contradiction_warning
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study, missing_files_of_trial
 from bluekoi.study.setup_warnings import inertia_warnings, setup_warnings

@@ -33,7 +33,7 @@ from bluekoi.tuning.joint_fit import (
     JointFit,
 )
 from bluekoi.tuning.results import straight_swimming
-from bluekoi.tuning.similar_robots import similar_noise
+from bluekoi.tuning.similar_robots import noise_scaled_to_robot
 from paper_robot import PAPER_SETUP
 from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
 
@@ -219,7 +219,7 @@ def test_random_forces_of_a_first_fit_give_every_robot_the_same_accelerations(
     units: RobotUnits,
 ) -> None:
     """With 0.5 mN m for a robot of 0.89 kg m2, a first fit ended at negative lift and drag."""
-    found = similar_noise(units, START_NOISE).disturbance / START_NOISE.disturbance
+    found = noise_scaled_to_robot(units, START_NOISE).disturbance / START_NOISE.disturbance
     force = units.mass * units.length / units.time**2
     lengths = [force, force, force * units.length, units.length, units.length, 1.0]
     assert found == pytest.approx(lengths)

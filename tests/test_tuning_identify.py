@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bluekoi.fitting import TrialSeries, cluster_covariance, off_bounds
-from bluekoi.fitting.joint_fit import AT_BOUND
+from bluekoi.fitting.joint_fit import AT_BOUND_REASON
 from bluekoi.model import two_plate_system
 from bluekoi.tuning import JointFit, coefficient_table, downsampled, fit_all_trials
 from bluekoi.tuning.identify import fisher_eigendirections, likelihood_profiles, parameter_scales
@@ -77,7 +77,7 @@ def fit_at_bounds(straight_runs_fit) -> JointFit:
     """The straight runs' fit as it comes out where three numbers run to their bounds."""
     found = fit_all_trials(straight_runs_fit)
     values = np.array([BOUNDS.get(n, v) for n, v in found.fit.by_label().items()])
-    fit = replace(found.fit, values=values, outcome=AT_BOUND)
+    fit = replace(found.fit, values=values, outcome=AT_BOUND_REASON)
     spread = cluster_covariance(fit.normal, off_bounds(fit))
     return JointFit(fit, found.noise, spread.cov, found.base, spread.df, spread.influence)
 
@@ -121,7 +121,7 @@ def test_straight_runs_at_a_bound_lack_turns_not_physics(
     assert "physics" not in text
     table_ = undetermined_without_turns(coefficient_table(fit_at_bounds), straight_runs_fit)
     assert "no turns" in table_["C_Da"]["why"]
-    assert joint_fit_outcome_text(fit_at_bounds, simulated_campaign) == AT_BOUND
+    assert joint_fit_outcome_text(fit_at_bounds, simulated_campaign) == AT_BOUND_REASON
 
 
 def test_numbers_at_a_bound_are_never_determined_combinations(fit_at_bounds) -> None:

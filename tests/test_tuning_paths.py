@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bluekoi.fitting import FreeParameter, TrialSeries, fit_trajectories
-from bluekoi.fitting.gram import set_products
+from bluekoi.fitting.gram import compute_column_products
 from bluekoi.integrate import compile_system
 from bluekoi.model import PUBLISHED_FLAP_HZ, constants_of_robot_trial, simulate, two_plate_system
 from paper_robot import PAPER_SETUP
@@ -115,7 +115,7 @@ def test_products_are_those_of_matrices_and_leave_out_what_was_not_seen() -> Non
     weight[1, 40:] = 0.0
     observed[1, 40:] = np.nan
     found = np.empty((3, 8, 8))
-    set_products(observed, seen, weight, (0, 3), found)
+    compute_column_products(observed, seen, weight, (0, 3), found)
     columns = np.nan_to_num(observed - observed[..., :1])[..., :8]
     columns[..., 0] = np.nan_to_num(seen - observed[..., 0])
     J = (columns * weight[..., None]).reshape(3, -1, 8)

@@ -21,10 +21,13 @@ from bluekoi.fitting import (
 from bluekoi.fitting.joint_fit import free_definitions
 from bluekoi.model import two_plate_system
 from bluekoi.tuning import JointFit, downsampled, fit_all_trials
-from bluekoi.tuning.draws import response_to_bounded, sample_parameters
+from bluekoi.tuning.draws import response_to_parameters_at_bounds, sample_parameters
 from bluekoi.tuning.joint_fit import START_NOISE
 from bluekoi.tuning.paper_steps import _fit_second_step, sample_step_parameters
-from bluekoi.tuning.two_step_covariance import sensitivity_to_earlier_step, with_step_covariance
+from bluekoi.tuning.two_step_covariance import (
+    sensitivity_to_earlier_step,
+    with_earlier_step_covariance,
+)
 from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
 
 FRAMES = 20
@@ -76,7 +79,7 @@ def test_intervals_of_a_step_hold_the_truth_if_the_earlier_step_is_carried_along
     plain, whole = [], []
     for _ in range(500):
         later, earlier, sensitivity = two_step_regression(rng)
-        whole_one = with_step_covariance(later, earlier, sensitivity)
+        whole_one = with_earlier_step_covariance(later, earlier, sensitivity)
         off = np.abs(later.fit.values)
         plain.append(off <= later.covariance.half_widths())
         whole.append(off <= whole_one.covariance.half_widths())
@@ -87,8 +90,8 @@ def test_intervals_of_a_step_hold_the_truth_if_the_earlier_step_is_carried_along
 def test_what_cannot_be_judged_of_the_earlier_step_is_not_judged_of_the_later() -> None:
     later, earlier, sensitivity = two_step_regression(np.random.default_rng(7))
     unknown = replace(earlier, df=np.zeros(1), influence=None)
-    assert with_step_covariance(later, unknown, sensitivity).df[0] == 0.0
-    nothing = with_step_covariance(later, earlier, 0.0 * sensitivity)
+    assert with_earlier_step_covariance(later, unknown, sensitivity).df[0] == 0.0
+    nothing = with_earlier_step_covariance(later, earlier, 0.0 * sensitivity)
     assert nothing.cov == pytest.approx(later.cov)
     assert nothing.df == pytest.approx(later.df)
 
@@ -121,7 +124,7 @@ def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(three_step
     reported = size > 0.1 * second.std
     assert reported.any()
     assert moved[reported] == pytest.approx(sensitivity[reported, 1] * change, rel=0.25)
-    whole = with_step_covariance(second, first, sensitivity)
+    whole = with_earlier_step_covariance(second, first, sensitivity)
     assert whole.cov == pytest.approx(second.cov + sensitivity @ first.cov @ sensitivity.T)
     assert np.all(whole.std >= second.std)
 
@@ -177,7 +180,9 @@ def test_a_number_at_its_bound_varies_over_its_interval_and_the_others_go_along(
     assert np.mean(rows[:, 2] < 0.5 * (low + high)) > 0.5
     slope = np.cov(rows[:, 2], rows[:, 3])[0, 1] / np.var(rows[:, 2])
     wide = np.std(rows[:, 3]) / np.std(rows[:, 2]) / np.sqrt(4000)
-    assert slope == pytest.approx(response_to_bounded(fit.fit, [2])[3, 0], abs=5 * wide)
+    assert slope == pytest.approx(
+        response_to_parameters_at_bounds(fit.fit, [2])[3, 0], abs=5 * wide
+    )
     assert not off_bounds(fit.fit)[2]
 
 

@@ -35,7 +35,11 @@ from bluekoi.stages.outcome import outcome
 from bluekoi.study import load_study
 from bluekoi.workflow import plan as plan_module
 from bluekoi.workflow import provenance
-from bluekoi.workflow.forkserver_client import ADDRESS_VARIABLE, EXIT_RUN_ENDED, request_stage
+from bluekoi.workflow.forkserver_client import (
+    ADDRESS_ENVIRONMENT_VARIABLE,
+    EXIT_RUN_ENDED,
+    request_stage,
+)
 from bluekoi.workflow.lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from bluekoi.workflow.plan import figure_names, make_plan
 from bluekoi.workflow.progress import (
@@ -521,7 +525,7 @@ def test_a_job_whose_run_was_killed_ends_without_results(workflow):
 
 def test_a_job_without_preloaded_process_runs_its_stage_itself(tmp_path, monkeypatch):
     address = tmp_path / "socket"
-    monkeypatch.setenv(ADDRESS_VARIABLE, str(address))
+    monkeypatch.setenv(ADDRESS_ENVIRONMENT_VARIABLE, str(address))
     assert request_stage(["steady"]) == EXIT_RUN_ENDED  # which removed its socket
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(str(address))

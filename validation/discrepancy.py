@@ -23,7 +23,7 @@ from bluekoi.data import Float
 from bluekoi.engine.candidates import Candidate, strength_step
 from bluekoi.engine.expansion import LikelihoodExpansion, expand_likelihood_in_all_forms
 from bluekoi.engine.problem import CauseSearchProblem
-from bluekoi.engine.refit import fit_set
+from bluekoi.engine.refit import fit_cause_set
 from bluekoi.fitting import rms_forces
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
@@ -39,7 +39,7 @@ def relative_residuals(study: Path, results: Path) -> dict[str, list[float]]:
     series = downsampled(campaign_series(campaign, campaign_flapping(campaign)))
     kernel, baseline = trial_kernel(series), fit_all_trials(series)
     problem = robot_problem(kernel, series, baseline, displaced=(), progress=lambda _: None)
-    model = fit_set(problem, (), problem.noise, baseline.fit.by_label())
+    model = fit_cause_set(problem, (), problem.noise, baseline.fit.by_label())
     expansion, _ = expand_likelihood_in_all_forms(
         problem, model
     )  # strengths in their leading forms

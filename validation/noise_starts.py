@@ -15,9 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-from bluekoi.engine import fit_own_noise, fit_set, search_sets
+from bluekoi.engine import fit_cause_set, fit_own_noise, search_cause_sets
 from bluekoi.engine.fitted_sets import FittedCauseSets
-from bluekoi.engine.own_noise import MAX_NOISE_ROUNDS, NOISE_STEPS, small_force_noise
+from bluekoi.engine.own_noise import MAX_NOISE_ROUNDS, NOISE_STEPS, noise_with_small_random_forces
 from bluekoi.fitting import Noise
 
 from .search_limits import study_problem
@@ -32,7 +32,7 @@ Gains = dict[tuple[float, float], float]
 def other_start_gains(study: Path, results: Path) -> list[Gains]:
     """Gains of the sets of a measured study, all of whose trials are fitted."""
     problem, start = study_problem(study, results)
-    return gains_of_sets(search_sets(problem, start), start)
+    return gains_of_sets(search_cause_sets(problem, start), start)
 
 
 def gains_of_sets(visited: FittedCauseSets, start: Mapping[str, float]) -> list[Gains]:
@@ -45,11 +45,15 @@ def gains_of_sets(visited: FittedCauseSets, start: Mapping[str, float]) -> list[
 def _gains(visited: FittedCauseSets, key: frozenset[str], start: Mapping[str, float]) -> Gains:
     problem, model = visited.problem, visited.sets[key].model
     known = {**start, **model.fit.by_label()}
-    starts = {(share, time): small_force_noise(problem, problem.noise, share=share, time_s=time)
-              for share, time in product(SHARES, CORRELATION_TIMES_S)}  # fmt: skip
+    starts = {
+        (share, time): noise_with_small_random_forces(
+            problem, problem.noise, share=share, time_s=time
+        )
+        for share, time in product(SHARES, CORRELATION_TIMES_S)
+    }
 
     def reached(noise: Noise, factor: int = 1) -> float:
-        begun = fit_set(problem, model.causes, noise, known)
+        begun = fit_cause_set(problem, model.causes, noise, known)
         return fit_own_noise(problem, begun, most=factor * MAX_NOISE_ROUNDS,
                              steps=factor * NOISE_STEPS).log_joint  # fmt: skip
 

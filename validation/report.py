@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from bluekoi.engine.calibration import CALIBRATION_SLOPE
+from bluekoi.engine.calibration import LOG_ODDS_CALIBRATION_SLOPE
 
 from .scoring import PROBABILITY_BIN_EDGES, UNEXPLAINED, ScoredStudy, clopper_pearson
 
@@ -77,7 +77,7 @@ def record(
     return {
         name: {
             "finder": finder, "commit": commit, "date": date, "generator": name,
-            "development": name in DEVELOPMENT_GENERATORS, "slope": CALIBRATION_SLOPE,
+            "development": name in DEVELOPMENT_GENERATORS, "slope": LOG_ODDS_CALIBRATION_SLOPE,
             "studies": [_study_record(s) for s in studies if s.generator == name],
         }
         for name in names

@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 
 from bluekoi.campaign import load_campaign
-from bluekoi.engine import CauseSearchProblem, posterior_over_sets, search_sets
+from bluekoi.engine import CauseSearchProblem, posterior_over_sets, search_cause_sets
 from bluekoi.engine.fitted_sets import FittedCauseSets
 from bluekoi.engine.own_noise import fit_own_noise
-from bluekoi.engine.refit import fit_set
-from bluekoi.engine.set_score import refit_with_discrepancy, score_set
+from bluekoi.engine.refit import fit_cause_set
+from bluekoi.engine.set_score import refit_with_discrepancy, score_cause_set
 from bluekoi.mismatch.find import SEARCH_RATE_HZ
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
@@ -55,7 +55,7 @@ def study_problem(study: Path, results: Path) -> tuple[CauseSearchProblem, dict[
 def limit_effects(study: Path, results: Path) -> LimitEffects:
     """`LimitEffects` of a measured study, all of whose trials are fitted."""
     problem, start = study_problem(study, results)
-    visited = search_sets(problem, start)
+    visited = search_cause_sets(problem, start)
     sets = list(visited.sets.values())
     limited, all_sets = (posterior_over_sets(visited.problem, sets, **limit)
                          for limit in ({}, {"max_log_odds": np.inf}))  # fmt: skip
@@ -81,11 +81,11 @@ def round_gains(visited: FittedCauseSets, start: Mapping[str, float]) -> tuple[f
     problem, out = visited.problem, []
     for key in visited.converged:
         final = visited.sets[key]
-        once = fit_set(
+        once = fit_cause_set(
             problem, final.causes, problem.noise, {**start, **final.model.fit.by_label()}
         )
         if once.usable and np.isfinite(final.log_posterior):
-            one_round = score_set(problem, fit_own_noise(problem, once, most=1))
+            one_round = score_cause_set(problem, fit_own_noise(problem, once, most=1))
             out.append(final.log_posterior - one_round.log_posterior)
     return tuple(gain for gain in out if np.isfinite(gain))
 

@@ -8,7 +8,11 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from bluekoi.engine.calibration import CALIBRATION_SLOPE, MAX_POSTERIOR, calibrated_probability
+from bluekoi.engine.calibration import (
+    LOG_ODDS_CALIBRATION_SLOPE,
+    MAX_POSTERIOR,
+    calibrated_probability,
+)
 from validation import report
 from validation.calibration_slope import (
     Names,
@@ -40,7 +44,7 @@ def test_the_slope_behind_simulated_names_is_recovered(slope):
 def test_the_slope_of_the_finder_is_that_of_the_recorded_verdicts():
     names = names_of(estimation_runs(report.load_runs()))
     fitted, plain = left_out_log_scores(names)
-    assert pytest.approx(fitted_slope(names), abs=0.005) == CALIBRATION_SLOPE
+    assert pytest.approx(fitted_slope(names), abs=0.005) == LOG_ODDS_CALIBRATION_SLOPE
     assert fitted > plain + 10.0
 
 
@@ -53,7 +57,7 @@ def test_the_slope_of_verdicts_that_were_stated_with_it_is_within_its_interval()
 
 def test_recorded_names_are_true_as_often_as_their_calibrated_probabilities_state():
     names = names_of(report.load_runs())
-    stated = 1.0 / (1.0 + np.exp(-CALIBRATION_SLOPE * names.log_odds))
+    stated = 1.0 / (1.0 + np.exp(-LOG_ODDS_CALIBRATION_SLOPE * names.log_odds))
     for low in np.arange(0.5, 0.95, 0.1):
         inside = (stated >= low) & (stated < low + 0.1)
         hits, count = int(names.true[inside].sum()), int(inside.sum())
@@ -64,5 +68,7 @@ def test_recorded_names_are_true_as_often_as_their_calibrated_probabilities_stat
 @pytest.mark.parametrize("p", [0.02, 0.5, 0.7, 0.99])
 def test_the_posterior_behind_a_stated_probability_is_found_again(p):
     stated = calibrated_probability(p)
-    assert posterior_log_odds(stated, CALIBRATION_SLOPE) == pytest.approx(np.log(p / (1 - p)))
+    assert posterior_log_odds(stated, LOG_ODDS_CALIBRATION_SLOPE) == pytest.approx(
+        np.log(p / (1 - p))
+    )
     assert calibrated_probability(1.0) == calibrated_probability(MAX_POSTERIOR) < 1.0

@@ -16,7 +16,7 @@ from .image_circle import ImageCircle, image_circle
 
 MAX_VIDEO_FRAMES = 80
 """Frames of a calibration video that are looked at."""
-FIRST_LOOK_FRAMES = 16
+BOARD_PROBE_FRAME_COUNT = 16
 """Frames, spread over a video, of which one at least shows the board: of a video that shows it in
 half of its frames, all of them miss it once in 65,000 times."""
 MIN_VIEW_MOVEMENT_SHARE_OF_WIDTH = 0.03
@@ -33,7 +33,7 @@ def read_grey_pictures(
     """
     for path in map(Path, paths):
         if path.suffix.lower() in VIDEO_SUFFIXES:
-            look = list(_spread_video_frames(path, FIRST_LOOK_FRAMES))
+            look = list(_spread_video_frames(path, BOARD_PROBE_FRAME_COUNT))
             shown = any(find_board(grey, board, name) for name, grey in look)
             yield from _spread_video_frames(path, MAX_VIDEO_FRAMES) if shown else look
         else:

@@ -32,7 +32,7 @@ SYSTEMATIC_LENGTH_ERROR_SHARE = 0.0005
 """Detection errs by 0.05 to 0.1 px in the same place in every trial (docs/measuring.md), over parts
 that are 70 to 150 px long: length errors of 0.05 % show nothing, however many frames agree.
 """
-HYPOTHESES = (
+GEOMETRY_HYPOTHESES = (
     GeometryHypothesis(
         "scale_error",
         ("scale",),

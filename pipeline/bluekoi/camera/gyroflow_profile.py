@@ -16,7 +16,7 @@ STRETCHED_PROFILE_MODES = ("superview", "hyperview", "super", "hyper")
 """Lens modes that stretch the picture by an unknown law; profiles of these are refused."""
 
 
-def read_profile(path: str | Path) -> tuple[Lens, float, int]:
+def read_lens_profile(path: str | Path) -> tuple[Lens, float, int]:
     """Lens of a profile, its stated corner error in px and number of pictures.
 
     Raises: InputError for a file that is no profile, a lens mode that stretches the picture
@@ -36,7 +36,7 @@ def read_profile(path: str | Path) -> tuple[Lens, float, int]:
             f"not a lens profile ({_missing_entry_text(error)})",
             "keys fisheye_params (camera_matrix, distortion_coeffs) and calib_dimension",
         ) from error
-    _refuse_stretched(path, content)
+    _refuse_distorted_profile_modes(path, content)
     lens = Lens("fisheye", matrix, distortion, size)
     if wrong := lens_implausibilities(lens, size, rms):
         raise InputError(
@@ -52,7 +52,7 @@ def _missing_entry_text(error: Exception) -> str:
     return "camera_matrix is 3 x 3, distortion_coeffs has 4 numbers, w and h are whole numbers"
 
 
-def _refuse_stretched(path: str | Path, content: dict[str, Any]) -> None:
+def _refuse_distorted_profile_modes(path: str | Path, content: dict[str, Any]) -> None:
     mode = str(content.get("lens_model") or "").lower()
     stretch = [content.get(f"input_{way}_stretch") or 1.0 for way in ("horizontal", "vertical")]
     model = content.get("distortion_model") or "opencv_fisheye"

@@ -14,7 +14,7 @@ WARN_ABOVE_SIGMAS = 5.0
 """Standard errors by which a length must be off for a warning."""
 MIN_LENGTH_ERROR_SHARE = 2 * STATED_LENGTH_STD_SHARE
 """Differences below twice the accuracy to which lengths are measured are no reason to warn."""
-CAMERA_OUTCOMES = ("camera_shift", "lens_error", "uncorrected_refraction")
+CAMERA_ERROR_HYPOTHESES = ("camera_shift", "lens_error", "uncorrected_refraction")
 """Hypotheses of the geometry check that are an error of the camera."""
 SCALE_CAUSES = ("scale_error", "uncorrected_refraction", "lens_error", "sinking")
 """Causes that account for rigid lengths of another size."""
@@ -65,7 +65,10 @@ def _camera_error_warnings(
     geometry: Mapping[str, Any], named: set[str], refractive_index: float
 ) -> Iterator[str]:
     likely = geometry.get("likely")
-    if likely in CAMERA_OUTCOMES and not named & {*CAMERA_OUTCOMES, *geometry.get("rivals", ())}:
+    if likely in CAMERA_ERROR_HYPOTHESES and not named & {
+        *CAMERA_ERROR_HYPOTHESES,
+        *geometry.get("rivals", ()),
+    }:
         yield (
             f"The pattern of the robot's rigid lengths over the pool shows {likely}, which the "
             f"verdict does not name: {geometry.get('sentence', '')}. "

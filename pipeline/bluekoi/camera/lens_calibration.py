@@ -16,7 +16,7 @@ from .board_pictures import BoardViews, find_board_views, read_grey_pictures
 from .boards import BoardView, read_board
 from .calibration_picture import draw_calibration
 from .focal_length_groups import zoom_change_remark
-from .gyroflow_profile import read_profile
+from .gyroflow_profile import read_lens_profile
 from .image_circle import ImageCircle
 from .lens import LENS_MODELS, Lens
 from .lens_selection import (
@@ -83,7 +83,7 @@ def calibrate_files(
     if [path.suffix.lower() for path in paths] == [".json"]:
         if model not in ("auto", "fisheye"):
             raise input_error("--model", "", f"'{model}'", "fisheye, as lens profiles are, or auto")
-        result = calibration_from_profile(paths[0])
+        result = calibration_from_lens_profile(paths[0])
         write_text(out, camera_section(result))
         return result
     wanted = read_board(pattern, square_mm, board)
@@ -119,9 +119,9 @@ def select_lens_model(
     return best, candidates
 
 
-def calibration_from_profile(path: str | Path) -> LensCalibration:
+def calibration_from_lens_profile(path: str | Path) -> LensCalibration:
     """Calibration as a lens-profile json states it, scaled to `size_px` where given."""
-    lens, rms, count = read_profile(path)
+    lens, rms, count = read_lens_profile(path)
     remark = (
         "from a lens profile made with another camera of this type: good for a start; calibrate "
         "your own for measurements"

@@ -16,7 +16,7 @@ MAX_OUTSIDE_SHARE = 0.25
 
 MAX_NORMALISED_COORDINATE = 1.5
 """Coordinates that never exceed this are shares of the picture, not pixels."""
-MIN_REPEATED_CODES = 3
+MIN_REPEATED_SENTINELS = 3
 """Measured places outside of the picture do not repeat to the last digit so often."""
 
 
@@ -52,7 +52,7 @@ def _check_pixels(path: Path, points: Float) -> None:
         raise input_error(path, "", found, "pixels", remedy)
     negative = points[(points < 0).all(axis=1)]
     places, counts = np.unique(negative, axis=0, return_counts=True)
-    if len(counts) and counts.max() >= MIN_REPEATED_CODES:
+    if len(counts) and counts.max() >= MIN_REPEATED_SENTINELS:
         u, v = places[np.argmax(counts)]
         remedy = "If this means not seen, leave x and y empty there, or set the likelihood to 0."
         raise input_error(path, "", f"the place ({u:g}, {v:g}), to the last digit, "

@@ -11,7 +11,7 @@ import numpy as np
 from ..data import Float
 from ..errors import InputError, input_error
 from ..study import StudySettings
-from ..study.recording_pixels import setup_in_film_pixels, to_study_pixels
+from ..study.recording_pixels import setup_in_recording_pixels, to_study_pixels
 from .boards import GreyPicture
 from .png_file import PngPixels, write_png
 from .pool_corner_fit import EDGE_NAMES, CornerFit, fit_corners
@@ -98,7 +98,7 @@ def compare_corners(grey: GreyPicture, setup: StudySettings) -> CornersCompariso
     Raises: InputError where the frame's shape is not that of the study's picture.
     """
     size = (grey.shape[1], grey.shape[0])
-    filmed = setup_in_film_pixels(setup, size).camera
+    filmed = setup_in_recording_pixels(setup, size).camera
     given = np.array(filmed.pool_corners_px, dtype=float)
     fit = fit_corners(grey, given, lens_of_camera_section(filmed), pool_corners_m(setup))
     camera, about = _camera_from_given_corners(setup, size)

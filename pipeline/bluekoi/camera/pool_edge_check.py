@@ -8,7 +8,7 @@ import numpy as np
 
 from ..data import Float
 from ..study import StudySettings
-from ..study.recording_pixels import setup_in_film_pixels
+from ..study.recording_pixels import setup_in_recording_pixels
 from .boards import GreyPicture
 from .pool_corner_fit import CornerFit, fit_corners
 from .resection import pool_diagonal_px
@@ -51,7 +51,7 @@ class PoolEdgeCheck:
 def compare_pool_edges(grey: GreyPicture, setup: StudySettings) -> PoolEdgeCheck:
     """The pool's edges in one frame of a recording, against the corners of the study."""
     camera, corners_m = (
-        setup_in_film_pixels(setup, (grey.shape[1], grey.shape[0])).camera,
+        setup_in_recording_pixels(setup, (grey.shape[1], grey.shape[0])).camera,
         pool_corners_m(setup),
     )
     given, lens = np.array(camera.pool_corners_px, dtype=float), lens_of_camera_section(camera)

@@ -206,7 +206,7 @@ def _camera_with_lens(camera: PoolCamera, lens: Lens) -> PoolCamera:
     return camera_from_corners(lens, camera.corners_px, camera.corners_m, camera.refractive_index)
 
 
-def _change_focal_length(geometry: CameraGeometry, step: float) -> CameraGeometry:
+def _with_focal_length_changed(geometry: CameraGeometry, step: float) -> CameraGeometry:
     lens = geometry.camera.lens
     assert lens is not None
     matrix = lens.matrix.copy()
@@ -216,7 +216,7 @@ def _change_focal_length(geometry: CameraGeometry, step: float) -> CameraGeometr
     return replace(geometry, camera=_camera_with_lens(geometry.camera, changed))
 
 
-def _change_distortion_k1(geometry: CameraGeometry, step: float) -> CameraGeometry:
+def _with_distortion_k1_changed(geometry: CameraGeometry, step: float) -> CameraGeometry:
     lens = geometry.camera.lens
     assert lens is not None
     distortion = lens.distortion.copy()
@@ -236,11 +236,11 @@ def _with_pool_scale_changed(geometry: CameraGeometry, step: float) -> CameraGeo
     return replace(geometry, camera=changed)
 
 
-def _change_keypoint_depth(geometry: CameraGeometry, step: float) -> CameraGeometry:
+def _with_keypoint_depth_changed(geometry: CameraGeometry, step: float) -> CameraGeometry:
     return replace(geometry, depth_m=geometry.depth_m + step)
 
 
-def _change_refractive_index(geometry: CameraGeometry, step: float) -> CameraGeometry:
+def _with_refractive_index_changed(geometry: CameraGeometry, step: float) -> CameraGeometry:
     camera = geometry.camera
     index = camera.refractive_index + step
     return replace(geometry, camera=replace(camera, refractive_index=index))
@@ -266,11 +266,11 @@ GEOMETRY_ERROR_FUNCTIONS: dict[
     str, tuple[Callable[[CameraGeometry, float], CameraGeometry], float]
 ] = {
     "scale": (_with_pool_scale_changed, 1e-3),
-    "focal": (_change_focal_length, 1e-3),
-    "k1": (_change_distortion_k1, 1e-3),
+    "focal": (_with_focal_length_changed, 1e-3),
+    "k1": (_with_distortion_k1_changed, 1e-3),
     "tilt_x_rad": (_with_camera_tilted(0), 1e-3),
     "tilt_y_rad": (_with_camera_tilted(1), 1e-3),
-    "depth_m": (_change_keypoint_depth, 1e-3),
-    "refractive_index": (_change_refractive_index, 1e-3),
+    "depth_m": (_with_keypoint_depth_changed, 1e-3),
+    "refractive_index": (_with_refractive_index_changed, 1e-3),
 }
 CAMERA_ERROR_NAMES = frozenset(GEOMETRY_ERROR_FUNCTIONS) - {"scale"}

@@ -16,7 +16,7 @@ from ..errors import InputError
 from ..study import Robot
 from .distance_map import DistanceMap, distance_map
 from .geometry_hypotheses import (
-    HYPOTHESES,
+    GEOMETRY_HYPOTHESES,
     SYSTEMATIC_LENGTH_ERROR_SHARE,
     GeometryHypothesis,
     HypothesisFit,
@@ -103,7 +103,7 @@ def check_rigid_distances(
     patterns = {name: pattern for name, pattern in patterns.items() if pattern.any()}
     fits = [
         _refine_lens_error(fit_hypothesis(one, patterns, distances, min_share), geometry, distances)
-        for one in HYPOTHESES
+        for one in GEOMETRY_HYPOTHESES
         if set(one.parameters) <= set(patterns)
     ]
     fits.sort(key=lambda fit: -fit.gain)

@@ -9,7 +9,7 @@ import numpy as np
 from ..data import Float
 from ..errors import input_error
 from ..study import Camera, Pool, StudySettings
-from ..study.recording_pixels import setup_in_film_pixels
+from ..study.recording_pixels import setup_in_recording_pixels
 from .lens import Lens
 from .plane_camera import homography_camera
 from .pool_projection import PoolCamera
@@ -39,7 +39,7 @@ def pool_camera(setup: StudySettings, size_px: tuple[int, int] | None = None) ->
 
     Raises: InputError where the corners fit no pose; its remedy says which order of corners would.
     """
-    given = (setup_in_film_pixels(setup, size_px) if size_px else setup).camera
+    given = (setup_in_recording_pixels(setup, size_px) if size_px else setup).camera
     depth_m = setup.robot.keypoint_depth_m
     return pool_camera_from_parts(given, setup.pool, setup.water.refractive_index, depth_m, size_px)
 

@@ -27,7 +27,7 @@ from .rigid_distances import robust_std_and_inliers
 
 LENGTHS = {"head": ("head_tip", "hinge"), "core": ("hinge", "tail_base")}
 """Rigid lengths that are compared, and the keypoints at their ends."""
-FALSE_WARNING_PROBABILITY = 0.001
+TURNED_PICTURE_FALSE_ALARM_PROBABILITY = 0.001
 """Probability with which a study of right pictures has a warning."""
 MIN_FRAMES = 10
 MIN_TRIALS = 3
@@ -79,8 +79,8 @@ def turned_picture_warnings(
     """A sentence for each trial whose lengths show a turned picture, by `turned_picture_record`.
 
     Odds of a turned over a right picture (b = 1 over b = 0) exceed the number of trials over
-    `FALSE_WARNING_PROBABILITY`, so that a study of right pictures has a warning with at
-    most this probability, whatever its camera. b = 1 must agree with the lengths as well: others
+    `TURNED_PICTURE_FALSE_ALARM_PROBABILITY`, so that a study of right pictures has a warning with
+    at most this probability, whatever its camera. b = 1 must agree with the lengths as well: others
     that are wrong by more than a turned picture can explain have another cause.
     """
     seen = {
@@ -88,7 +88,7 @@ def turned_picture_warnings(
         for name, status in statuses.items()
         if status.get("ok") and name in trials and (record := status.get("turned_picture"))
     }
-    least = log(max(len(seen), 1) / FALSE_WARNING_PROBABILITY)
+    least = log(max(len(seen), 1) / TURNED_PICTURE_FALSE_ALARM_PROBABILITY)
     for name, fit in _fits(trials, seen).items():
         if fit.log_odds > least and fit.agrees:
             yield (
@@ -115,7 +115,7 @@ class _TurnedFit:
 
     @property
     def agrees(self) -> bool:
-        sigmas = float(ndtri(1.0 - FALSE_WARNING_PROBABILITY / 2.0))
+        sigmas = float(ndtri(1.0 - TURNED_PICTURE_FALSE_ALARM_PROBABILITY / 2.0))
         return abs(self.turned - 1.0) <= sigmas * self.std
 
 

@@ -19,7 +19,7 @@ from .rigid_distances import (
 
 WHOLE_LENGTH_LABEL = "whole length"
 """`measured` in geometry.json, where it replaces the rigid distances."""
-END_PARTS = ("head_tip", "tail_tip")
+WHOLE_LENGTH_END_PARTS = ("head_tip", "tail_tip")
 """Parts between which the whole length is measured."""
 REQUIRED_CONFIDENT_PARTS = ("head_tip", "hinge", "core_center")
 """Parts whose likelihood decides whether a frame is used. Not the tail: its likelihood is lower
@@ -91,7 +91,7 @@ def _whole_lengths_of_trial(
     positions: Positions, pairs: Float, known_m: float, label: int
 ) -> dict[str, Float] | None:
     frames, ratio = pairs[:, 0].astype(int), pairs[:, 1]
-    front, back = (positions.part(name)[frames] for name in END_PARTS)
+    front, back = (positions.part(name)[frames] for name in WHOLE_LENGTH_END_PARTS)
     body = [positions.names.index(name) for name in REQUIRED_CONFIDENT_PARTS]
     good = is_confident(positions.likelihood[frames][:, body]).all(axis=1)
     good &= np.isfinite(ratio) & np.isfinite(front).all(axis=1) & np.isfinite(back).all(axis=1)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .outputs import refuse_study_files
+from .outputs import refuse_outputs_over_study_files
 from .parameter_types import StudyName, TrialName
 from .progress_notice import progress_notice
 
@@ -92,7 +92,7 @@ def pool(
     _refuse_overwriting(out, (".png",), (frame,) if frame else ())
     confirmed = None
     if not lacks_pool_corners(study / "study.yaml"):
-        refuse_study_files(study, (out,))
+        refuse_outputs_over_study_files(study, (out,))
     if lacks_pool_corners(study / "study.yaml"):
         films = sorted(p for p in study.rglob("*") if p.suffix.lower() in VIDEO_SUFFIXES)
         source = frame or (films[0] if films else None)

@@ -19,7 +19,7 @@ def _explain_key(ctx: click.Context, _param: click.Parameter, key: str | None) -
         ctx.exit()
 
 
-FILMED_NOTE = (
+UNCHECKED_MOTION_NOTE = (
     "Not checked here: what only the motion in the videos shows, such as the frame rate, the sign "
     "of the head angles and the place of the camera. A run compares these with the files and names "
     "what does not agree."
@@ -72,6 +72,6 @@ def check(study: Path) -> None:
         f"keypoint files) in {conditions} conditions; nothing {more}wrong."
     )
     if filmed:
-        click.echo(FILMED_NOTE)
+        click.echo(UNCHECKED_MOTION_NOTE)
     for note in unchecked_clock_notes(loaded):
         click.echo(note)

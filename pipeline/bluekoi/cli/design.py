@@ -10,7 +10,7 @@ import click
 
 from .number_types import FiniteNumber, NumberList
 from .outdated_results import warn_of_outdated_results
-from .outputs import refuse_study_files
+from .outputs import refuse_outputs_over_study_files
 from .parameter_types import StudyName
 from .progress_notice import progress_notice
 
@@ -71,7 +71,7 @@ def design(
     fit = load_fitted_robot(home, model=model, study=loaded)
     further = _robot_variants(other)
     folder = out or home / "design"
-    refuse_study_files(study, (folder / "designs.csv", folder / "designs.png"))
+    refuse_outputs_over_study_files(study, (folder / "designs.csv", folder / "designs.png"))
     with progress_notice("trying designs"):
         found = evaluate_designs(
             fit,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .outdated_results import warn_of_outdated_results
-from .outputs import refuse_study_files
+from .outputs import refuse_outputs_over_study_files
 from .parameter_types import StudyName, TrialName
 from .progress_notice import progress_notice
 
@@ -56,7 +56,7 @@ def export(study: Path, results: Path | None, out: Path | None, trials: tuple[st
         campaign = load_campaign(folder, loaded := load_study(study))
     chosen = _selected_trials(campaign, trials, folder)
     names = ("coefficients.csv", *(f"{name}.nc" for name in chosen))
-    refuse_study_files(study, (target / name for name in names))
+    refuse_outputs_over_study_files(study, (target / name for name in names))
     if campaign.coefficients:
         _write_coefficients(campaign.coefficients, target / "coefficients.csv")
     with progress_notice(f"writing {len(chosen)} trials") as wait:

@@ -38,7 +38,7 @@ def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | Non
     from ..preparation.file_properties import file_properties, with_recording_property_comments  # noqa: PLC0415
     from ..preparation.prefill import (  # noqa: PLC0415
         blank_study_yaml,
-        trial_rows,
+        prefilled_trial_rows,
         trials_csv,
     )
 
@@ -51,7 +51,7 @@ def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | Non
     if odd := [name for name in selected.recordings if ";" in name]:
         raise input_error(folder / odd[0], "", "a name with ';', which joins chapters in "
                           "trials.csv", "a name without it", "Rename the file.")  # fmt: skip
-    rows = trial_rows(selected, head_length_m)
+    rows = prefilled_trial_rows(selected, head_length_m)
     if not rows:
         remedy = "Videos: mp4, mov, avi, mkv; keypoints: DeepLabCut's csv or h5."
         raise input_error(folder, "", "no video and no keypoint file", "one or more", remedy)

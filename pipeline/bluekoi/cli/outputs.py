@@ -10,7 +10,7 @@ TRUTH_FILES = ("truth.sha256", "truth.json")
 """Files of a synthetic study that no command overwrites."""
 
 
-def refuse_study_files(study: Path, outputs: Iterable[Path | None]) -> None:
+def refuse_outputs_over_study_files(study: Path, outputs: Iterable[Path | None]) -> None:
     """Raises: InputError where an output, or what it links to, is a file of the study."""
     from ..errors import input_error  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415

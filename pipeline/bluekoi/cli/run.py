@@ -48,7 +48,7 @@ def snakemake_command(
             "--snakefile",
             str(home / "Snakefile"),
         ),
-        *("--workflow-profile", "none", *_default_profile_options(home)),
+        *("--workflow-profile", "none", *_default_snakemake_profile_options(home)),
         *("--cores", cores, "--config"),
         *(f"{key}={_quoted_for_config(value)}" for key, value in values.items()),
         *keys,
@@ -64,7 +64,7 @@ def _quoted_for_config(value: str) -> str:
     return f" {json.dumps(value, ensure_ascii=False)} "
 
 
-def _default_profile_options(home: Path) -> list[str]:
+def _default_snakemake_profile_options(home: Path) -> list[str]:
     """Options of the default profile; Snakemake announces a profile that it reads itself."""
     import yaml  # noqa: PLC0415
 
@@ -131,12 +131,12 @@ def run(
             click.echo(f"Warning: {text}", err=True)
     code = _exit_code(returned, folder)
     if code == EXIT_RUN_FAILED and not dry:
-        for line in _lines_before_failure(folder, study):
+        for line in _trial_problem_lines(folder, study):
             click.echo(line, err=True)
     ctx.exit(code)
 
 
-def _lines_before_failure(results: Path, study: str) -> list[str]:
+def _trial_problem_lines(results: Path, study: str) -> list[str]:
     """What is wrong with the trials of a run that a later stage ended: they may be why. Nothing
     where the study cannot be read.
     """

@@ -11,7 +11,7 @@ import click
 
 from .number_types import FiniteNumber
 from .outdated_results import warn_of_outdated_results
-from .outputs import refuse_study_files
+from .outputs import refuse_outputs_over_study_files
 from .parameter_types import StudyName
 from .progress_notice import progress_notice
 
@@ -62,7 +62,7 @@ def simulate(
                  "--head-angle-deg": head_angle_deg, "--manoeuvre": manoeuvre}  # fmt: skip
     _refuse_unused_options(schedule, commanded, results, model)
     _refuse_conflicting_outputs(schedule, out, picture)
-    refuse_study_files(study, (out, picture))
+    refuse_outputs_over_study_files(study, (out, picture))
     loaded = load_study(study)
     with progress_notice("reading the model"):
         setup, fit = loaded.setup, _load_fit(results, model, loaded)
@@ -84,7 +84,9 @@ def simulate(
     _save_simulated_path(run, commands, setup, length, out=out, picture=picture)
     for sentence in (
         *_extrapolation_warnings(fit, run, commands, power_pct),
-        *_untested_conditions(loaded, commands, length, fit, by_power=power_pct is not None),
+        *_untested_condition_sentences(
+            loaded, commands, length, fit, by_power=power_pct is not None
+        ),
     ):
         click.echo(f"Warning: {sentence}.", err=True)
     if results is not None:
@@ -149,7 +151,7 @@ def _extrapolation_warnings(
     return out
 
 
-def _untested_conditions(
+def _untested_condition_sentences(
     study: Study, commands: Schedule, head_length_m: float, fit: FittedRobot, *, by_power: bool
 ) -> list[str]:
     """Sentences on commands and a head beyond those of the trials; a power has its own."""
@@ -226,13 +228,15 @@ def _simulate_path(
 ) -> Simulation:
     import numpy as np  # noqa: PLC0415
 
-    from ..model import constants_of_robot_trial, simulate_at  # noqa: PLC0415
+    from ..model import constants_of_robot_trial, simulate_at_times  # noqa: PLC0415
 
     times = np.arange(round(seconds / OUTPUT_INTERVAL_S) + 1, dtype=np.float64) * OUTPUT_INTERVAL_S
     hz, angle = commands.at(times)
     start = np.array([0.5 * setup.pool.length_m, 0.5 * setup.pool.width_m, 0.0, 0.0, 0.0, 0.0])
     inputs = np.column_stack([angle, hz])
-    return simulate_at(fit.values[0], times, inputs, constants_of_robot_trial(setup, length), start)
+    return simulate_at_times(
+        fit.values[0], times, inputs, constants_of_robot_trial(setup, length), start
+    )
 
 
 def _print_distance_and_turn(run: Simulation) -> None:

@@ -14,7 +14,7 @@ from .run import check_cores, snakemake_command
 
 ERROR_MESSAGE = "Some of it could not be analysed: see the terminal."
 FileStates = dict[str, tuple[int, int]]
-UNCHANGED_S = 3.0
+MIN_UNCHANGED_DURATION_S = 3.0
 """A file that has not changed for so long is whole: a copy from a card writes all the time."""
 
 
@@ -110,8 +110,8 @@ def study_file_states(study: Path, results: Path) -> FileStates:
 
 
 def remains_unchanged(now: FileStates, study: Path, results: Path, over: threading.Event) -> bool:
-    """Whether nothing in the study changes for `UNCHANGED_S`."""
-    return not over.wait(UNCHANGED_S) and study_file_states(study, results) == now
+    """Whether nothing in the study changes for `MIN_UNCHANGED_DURATION_S`."""
+    return not over.wait(MIN_UNCHANGED_DURATION_S) and study_file_states(study, results) == now
 
 
 def run_analysis(words: list[str], over: threading.Event) -> int:

@@ -75,19 +75,23 @@ def load_fitted_robot(
                               "results of the search for what was left out",
                         "Run the whole analysis first, or ask for the joint model.")  # fmt: skip
         cells = read_json(detail)
-        values = _read_complete(
+        values = _read_or_incomplete_error(
             detail,
             lambda: _extended_model_draws(cells["coefficients"]["after"], detail, rng, system),
         )
     else:
-        values = _read_complete(path, lambda: _joint_fit_draws(found["joint"], rng))
-    flap_hz = _read_complete(path, lambda: _flap_hz_by_power(found["paper_steps"]))
-    doubts = _read_complete(path, lambda: _warning_sentences(found, verdict, chosen))
-    strangers = _read_complete(path, lambda: _other_study_sentences(found, study)) if study else []
+        values = _read_or_incomplete_error(path, lambda: _joint_fit_draws(found["joint"], rng))
+    flap_hz = _read_or_incomplete_error(path, lambda: _flap_hz_by_power(found["paper_steps"]))
+    doubts = _read_or_incomplete_error(path, lambda: _warning_sentences(found, verdict, chosen))
+    strangers = (
+        _read_or_incomplete_error(path, lambda: _other_study_sentences(found, study))
+        if study
+        else []
+    )
     return FittedRobot(values, flap_hz, chosen, (*doubts, *strangers))
 
 
-def _read_complete(path: Path, read: Callable[[], T]) -> T:
+def _read_or_incomplete_error(path: Path, read: Callable[[], T]) -> T:
     try:
         return read()
     except (KeyError, TypeError, ValueError, AttributeError) as error:
@@ -99,7 +103,7 @@ def _read_complete(path: Path, read: Callable[[], T]) -> T:
 
 def _read_verdict(path: Path) -> str:
     content = read_json(path)
-    return _read_complete(path, lambda: str(content["verdict"]))
+    return _read_or_incomplete_error(path, lambda: str(content["verdict"]))
 
 
 def _flap_hz_by_power(steps: Mapping[str, Any]) -> dict[float, float]:

@@ -37,7 +37,7 @@ def designs_figure(designs: Sequence[RobotDesign], *, min_speed_m_s: float = 0.0
         (~inside, "extrapolated", "none"),
     ):
         axes.plot(x[kind], y[kind], "o", ms=3.5, color=TESTED_COLOUR, mfc=face, mew=0.7, label=name)
-    _draw_front(axes, [d for d, is_on in zip(designs, front, strict=True) if is_on])
+    _draw_pareto_front(axes, [d for d, is_on in zip(designs, front, strict=True) if is_on])
     if min_speed_m_s > 0:
         axes.axhline(min_speed_m_s, color="#a61c00", lw=1, ls=":")
     known = x[np.isfinite(x)]
@@ -50,7 +50,7 @@ def designs_figure(designs: Sequence[RobotDesign], *, min_speed_m_s: float = 0.0
     return figure
 
 
-def _draw_front(axes: Axes, front: Sequence[RobotDesign]) -> None:
+def _draw_pareto_front(axes: Axes, front: Sequence[RobotDesign]) -> None:
     ordered = sorted(front, key=lambda d: d.radius_m[0])
     for d in ordered:
         (radius, *across), (speed, *along) = d.radius_m, d.speed_m_s

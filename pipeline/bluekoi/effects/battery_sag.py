@@ -49,17 +49,17 @@ def frequency_drift(
     t: float, flap_hz: float, time_unit: float, k: float, w: float, e: float
 ) -> float:
     """Relative change of the flapping frequency per second (1/s) in the middle of a trial, at t."""
-    return _first_drift(flap_hz * time_unit, k, e) * math.exp(-w * t)
+    return _initial_frequency_drift(flap_hz * time_unit, k, e) * math.exp(-w * t)
 
 
 def mid_trial_frequency_deviation(
     t: float, flap_hz: float, time_unit: float, k: float, w: float, e: float
 ) -> float:
     """Relative difference of the tail beat in the middle of a trial from that at its start."""
-    return -_first_drift(flap_hz * time_unit, k, e) * math.expm1(-w * t) / w
+    return -_initial_frequency_drift(flap_hz * time_unit, k, e) * math.expm1(-w * t) / w
 
 
-def _first_drift(scaled_flap_hz: float, k: float, e: float) -> float:
+def _initial_frequency_drift(scaled_flap_hz: float, k: float, e: float) -> float:
     """Relative change of the flapping frequency per second (1/s) at the start of a trial."""
     return -0.5 * k * (max(scaled_flap_hz, 1e-9) / 3.5) ** e
 

@@ -17,15 +17,15 @@ naming      what is named, and what may act in its place
 significance  whether the trials agree that a named cause acts
 """
 
-from .candidates import Candidate, Priors, candidates_of
+from .candidates import Candidate, PriorInclusionProbabilities, candidates_by_effect_name
 from .expansion import LikelihoodExpansion, expand_likelihood
 from .named_cause import NamedCause
-from .naming import best_set, choose_causes, named_causes
+from .naming import choose_causes, most_probable_set_with_causes, named_causes
 from .own_noise import fit_own_noise, refit_without_discrepancy
 from .posterior import Posterior, posterior_over_sets
 from .problem import CauseSearchProblem
-from .refit import FittedCauseSet, fit_set, off_bounds_mask
-from .search import FittedCauseSets, search_sets
+from .refit import FittedCauseSet, fit_cause_set, off_bounds_mask
+from .search import FittedCauseSets, search_cause_sets
 from .set_score import ScoredCauseSet
 from .significance import insignificance_sentence, insignificant_causes, strength_estimates
 
@@ -37,20 +37,20 @@ __all__ = [
     "LikelihoodExpansion",
     "NamedCause",
     "Posterior",
-    "Priors",
+    "PriorInclusionProbabilities",
     "ScoredCauseSet",
-    "best_set",
-    "candidates_of",
+    "candidates_by_effect_name",
     "choose_causes",
     "expand_likelihood",
+    "fit_cause_set",
     "fit_own_noise",
-    "fit_set",
     "insignificance_sentence",
     "insignificant_causes",
+    "most_probable_set_with_causes",
     "named_causes",
     "off_bounds_mask",
     "posterior_over_sets",
     "refit_without_discrepancy",
-    "search_sets",
+    "search_cause_sets",
     "strength_estimates",
 ]

@@ -18,14 +18,14 @@ from collections.abc import Mapping
 
 from .posterior import BOOTSTRAP_SAMPLES
 
-CALIBRATION_SLOPE = 0.36
+LOG_ODDS_CALIBRATION_SLOPE = 0.36
 """b, from 227 names in 187 studies of nine independent generators, each analysed before its truth
 was looked at: `python -m validation calibration-slope` estimates it from validation/results."""
 MAX_POSTERIOR = 1.0 - 0.5 / BOOTSTRAP_SAMPLES
 """Resolution of an average over bootstrap samples; a probability nearer to 1 counts as this one."""
 
 
-def calibrated_probability(p: float, slope: float = CALIBRATION_SLOPE) -> float:
+def calibrated_probability(p: float, slope: float = LOG_ODDS_CALIBRATION_SLOPE) -> float:
     """How probable a cause of posterior probability p is, by the record of earlier verdicts."""
     if p <= 0.5:
         return p
@@ -33,8 +33,8 @@ def calibrated_probability(p: float, slope: float = CALIBRATION_SLOPE) -> float:
     return 1.0 / (1.0 + (1.0 / bounded - 1.0) ** slope)
 
 
-def calibrated_shares(
-    posterior: Mapping[str, float], slope: float = CALIBRATION_SLOPE
+def calibrated_shares_of_alternatives(
+    posterior: Mapping[str, float], slope: float = LOG_ODDS_CALIBRATION_SLOPE
 ) -> dict[str, float]:
     """Shares (sum 1) of alternatives, one of which acts, by their posterior probabilities."""
     powers = {name: math.pow(max(p, 0.0), slope) for name, p in posterior.items()}

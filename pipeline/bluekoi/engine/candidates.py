@@ -49,7 +49,7 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Priors:
+class PriorInclusionProbabilities:
     """Probabilities of presence before any data.
 
     cause: of each named cause; likely: name -> probability of those that are known to be common;
@@ -61,10 +61,10 @@ class Priors:
     likely: Mapping[str, float] | None = None
 
 
-def candidates_of(
+def candidates_by_effect_name(
     system: System,
     names: Sequence[str],
-    priors: Priors,
+    priors: PriorInclusionProbabilities,
     terms: Mapping[str, ChannelVariablePairs] | None = None,
 ) -> tuple[Candidate, ...]:
     """Candidates by effect name; an effect of kind `residual` without forms of its own gives one

@@ -36,8 +36,8 @@ from .problem import CauseSearchProblem
 from .set_columns import (
     MIN_INFORMATION,
     CauseSetColumns,
-    combinations_of_shares,
-    precisions_with_shares,
+    discrepancy_share_combinations,
+    precisions_at_discrepancy_shares,
 )
 
 DIAGONAL_RIDGE = 1e-10
@@ -55,7 +55,7 @@ defined, and so low that no such set is named."""
 def log_evidence(expansion: LikelihoodExpansion, lay: CauseSetColumns) -> float:
     """Log m(S) of a set, averaged over the shares of the discrepancies of its causes."""
     values = _log_evidences(
-        expansion, lay, precisions_with_shares(lay, combinations_of_shares(lay))
+        expansion, lay, precisions_at_discrepancy_shares(lay, discrepancy_share_combinations(lay))
     )
     return float(logsumexp(values) - np.log(len(values)))
 
@@ -64,13 +64,15 @@ def log_evidence_at_discrepancy_shares(
     expansion: LikelihoodExpansion, lay: CauseSetColumns, shares: Mapping[str, float]
 ) -> float:
     """Log m(S) of a set with given shares of the discrepancies of its causes."""
-    return float(_log_evidences(expansion, lay, precisions_with_shares(lay, [shares]))[0])
+    return float(_log_evidences(expansion, lay, precisions_at_discrepancy_shares(lay, [shares]))[0])
 
 
-def most_probable_shares(expansion: LikelihoodExpansion, lay: CauseSetColumns) -> dict[str, float]:
+def most_probable_discrepancy_shares(
+    expansion: LikelihoodExpansion, lay: CauseSetColumns
+) -> dict[str, float]:
     """Cause -> the share of its discrepancy with which the set has the largest evidence."""
-    every = combinations_of_shares(lay)
-    values = _log_evidences(expansion, lay, precisions_with_shares(lay, every))
+    every = discrepancy_share_combinations(lay)
+    values = _log_evidences(expansion, lay, precisions_at_discrepancy_shares(lay, every))
     return max(zip(values.tolist(), every, strict=True), key=lambda both: both[0])[1]
 
 

@@ -116,7 +116,7 @@ def expand_likelihood_in_all_forms(
                                                 {system.slot[form.name]: offset}))  # fmt: skip
                 frees.append(candidate.strengths[0])
             forms[candidate.name] = tuple(range(first, len(changes)))
-    normal = _trial_products(problem, model, points, changes, frees)
+    normal = _trial_information_and_gradients(problem, model, points, changes, frees)
     hessian, gradient = _form_differences(normal.hessian, normal.gradient, strengths, forms)
     whole = LikelihoodExpansion(
         model,
@@ -131,7 +131,7 @@ def expand_likelihood_in_all_forms(
     return whole, tried
 
 
-def _trial_products(
+def _trial_information_and_gradients(
     problem: CauseSearchProblem,
     model: FittedCauseSet,
     points: Sequence[Float],
@@ -209,7 +209,7 @@ def restricted_to_likeliest_forms(
                    strengths=moved(strengths), forms=moved(whole.forms), starts=starts)  # fmt: skip
 
 
-def likely_strengths(
+def one_step_strength_estimates(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, cause: str
 ) -> dict[str, float]:
     """Label -> strength of a further cause by one Newton step of it and the set's own numbers,

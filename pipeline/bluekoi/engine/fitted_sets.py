@@ -10,8 +10,8 @@ import numpy as np
 from .expansion import LikelihoodExpansion, expand_likelihood
 from .own_noise import fit_own_noise
 from .problem import CauseSearchProblem
-from .refit import FittedCauseSet, fit_set, likeliest_strength_start
-from .set_score import ScoredCauseSet, refit_with_discrepancy, score_set
+from .refit import FittedCauseSet, fit_cause_set, likeliest_strength_start
+from .set_score import ScoredCauseSet, refit_with_discrepancy, score_cause_set
 
 MAX_LOG_ODDS_TO_REFIT = 20.0
 """Sets e^20 times less probable than the best after one round of noise and parameters are not
@@ -69,19 +69,19 @@ class FittedCauseSets:
         left = self.shared_discrepancy(near, key)
         stds = {label: std for label, std in near.deviations.items() if label in left}
         effects = near.effects(self.problem)
-        model = fit_set(self.problem, causes, near.noise, known, discrepancy=left,
+        model = fit_cause_set(self.problem, causes, near.noise, known, discrepancy=left,
                        deviations=stds, effects=effects)  # fmt: skip
         if near.key < key and model.log_joint < near.log_joint - MAX_NESTED_LOG_LIK_LOSS:
             absent = {f.label: 0.0 for cause in key - near.key
                       for f in self.problem.by_name[cause].strengths}  # fmt: skip
-            model = fit_set(self.problem, causes, near.noise, {**known, **absent}, discrepancy=left,
-                           deviations=stds, effects=effects)  # fmt: skip
+            model = fit_cause_set(self.problem, causes, near.noise, {**known, **absent},
+                                  discrepancy=left, deviations=stds, effects=effects)  # fmt: skip
         if not model.usable:
             return before
-        plain = score_set(self.problem, model)
+        plain = score_cause_set(self.problem, model)
         found = refit_with_discrepancy(self.problem, plain, most=1)
         if found is plain:
-            found = score_set(self.problem, fit_own_noise(self.problem, model, most=1))
+            found = score_cause_set(self.problem, fit_own_noise(self.problem, model, most=1))
         if before is None or found.log_joint > before.log_joint:
             self.sets[key] = found
             self.full.pop(key, None)
@@ -98,20 +98,22 @@ class FittedCauseSets:
 
     def converge(self) -> None:
         """Fit noise and numbers of the probable sets until they no longer improve."""
-        while todo := [k for k, s in self.sets.items() if k not in self.converged
-                       and s.log_posterior > self.best.log_posterior - self._reach(k)]:  # fmt: skip
+        while todo := [
+            k for k, s in self.sets.items() if k not in self.converged
+            and s.log_posterior > self.best.log_posterior - self._max_log_odds_to_refit(k)
+        ]:  # fmt: skip
             key = max(todo, key=lambda k: self.sets[k].log_posterior)
             self.converged.add(key)
             found = self.sets[key]
             model = fit_own_noise(self.problem, found.model)
             if model is not found.model:
-                found = score_set(self.problem, model)
+                found = score_cause_set(self.problem, model)
             found = refit_with_discrepancy(self.problem, found, rounds=MAX_DISCREPANCY_ROUNDS)
             if found is not self.sets[key]:
                 self.sets[key] = found
                 self.full.pop(key, None)
 
-    def _reach(self, key: frozenset[str]) -> float:
+    def _max_log_odds_to_refit(self, key: frozenset[str]) -> float:
         """How much less probable than the best a set may be for its fit to be continued."""
         likely = self.best.log_posterior - MAX_LOG_ODDS_TO_REFIT_NESTED
         nested = any(other < key and self.sets[other].log_posterior > likely

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from .calibration import calibrated_probability, calibrated_shares
+from .calibration import calibrated_probability, calibrated_shares_of_alternatives
 
 CREDIBLE_SET_PROBABILITY = 0.9
 """Posterior probability that a credible set holds the cause that acts in its place (the level of a
@@ -33,14 +33,17 @@ class NamedCause:
         by their calibrated shares. For one alternative with posterior 1 - p, this is that of 1 - p.
         """
         rest = 1.0 - self.probability
-        return {n: rest * share for n, share in calibrated_shares(self.alternatives).items()}
+        return {
+            n: rest * share
+            for n, share in calibrated_shares_of_alternatives(self.alternatives).items()
+        }
 
     @property
     def credible_set(self) -> list[str]:
         """The fewest causes of the place, the most probable first, that hold 90 % of its calibrated
         shares.
         """
-        shares = calibrated_shares({self.name: self.posterior, **self.alternatives})
+        shares = calibrated_shares_of_alternatives({self.name: self.posterior, **self.alternatives})
         out, held = list[str](), 0.0
         for name in sorted(shares, key=lambda n: -shares[n]):
             out.append(name)

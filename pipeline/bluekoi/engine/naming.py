@@ -49,7 +49,7 @@ def named_causes(
     unexplained = min(1.0, float(sum(p for s, p in pairs if residual & set(s.causes))))
     best, out = found.best, list[NamedCause]()
     for name in (c for c in best.causes if c not in residual):
-        place = _alternatives_in_place(found, name)
+        place = _alternatives_to_cause(found, name)
         taken = float(sum(p for s, p in pairs if s.model.key & place.keys()))
         listed = {n: q for n, q in place.items() if n not in residual}
         unlisted = sum(q for n, q in place.items() if n in residual)
@@ -68,7 +68,7 @@ def named_causes(
     return out, unexplained
 
 
-def _alternatives_in_place(found: Posterior, name: str) -> dict[str, float]:
+def _alternatives_to_cause(found: Posterior, name: str) -> dict[str, float]:
     """The causes that fill a place of the most probable set, with their probabilities."""
     rest = frozenset(found.best.causes) - {name}
     place = {name: found.inclusion[name]}
@@ -80,7 +80,7 @@ def _alternatives_in_place(found: Posterior, name: str) -> dict[str, float]:
     return place
 
 
-def best_set(
+def most_probable_set_with_causes(
     found: Posterior, named: Sequence[str], unexplained: bool, candidates: Mapping[str, Candidate]
 ) -> ScoredCauseSet:
     """The most probable set with just these named causes, with a residual term where asked for."""
@@ -106,7 +106,9 @@ def choose_causes(
     left_out: list[NamedCause] = []
     while True:
         names = [c.name for c in named]
-        best = best_set(found, names, unexplained > MIN_NAMED_PROBABILITY, candidates)
+        best = most_probable_set_with_causes(
+            found, names, unexplained > MIN_NAMED_PROBABILITY, candidates
+        )
         model, fitted = fit(best)
         insignificant = insignificant_causes(
             named, candidates, strength_estimates(fitted, candidates)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from ..data import Float
 from ..fitting import Noise, estimate_noise_model, filter_all
 from ..fitting.filtering import disturbance_slots
-from ..fitting.trial_effects import points_with_effects
+from ..fitting.trial_effects import parameter_vectors_with_trial_effects
 from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
 from .refit import FittedCauseSet, refit_from_fitted_values, start_values, total_log_likelihood
 
@@ -37,7 +37,7 @@ def fit_own_noise(
     """
     best = model
     for _ in range(most):
-        again = _noise_and_fit_round(problem, best, steps)
+        again = _update_noise_and_fit(problem, best, steps)
         if again.log_joint - best.log_joint < MIN_ROUND_GAIN_LOG_LIK:
             return again
         best = again
@@ -52,7 +52,9 @@ def refit_without_discrepancy(problem: CauseSearchProblem, model: FittedCauseSet
     return fit_own_noise(problem, plain, most=2)
 
 
-def is_likelier_under(problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise) -> bool:
+def is_likelier_under_noise(
+    problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise
+) -> bool:
     """Whether the trials are likelier at a set's numbers under another noise than under its own."""
     points = _trial_vectors_with_command_errors(problem, model)
     own, other = (total_log_likelihood(filter_all(problem.kernel, problem.series, points, n))
@@ -60,7 +62,7 @@ def is_likelier_under(problem: CauseSearchProblem, model: FittedCauseSet, noise:
     return other > own
 
 
-def _noise_and_fit_round(
+def _update_noise_and_fit(
     problem: CauseSearchProblem, model: FittedCauseSet, steps: int
 ) -> FittedCauseSet:
     """Noise estimated at a set's numbers, and the numbers fitted under it; the set as it was where
@@ -91,10 +93,10 @@ def _trial_vectors_with_command_errors(
     effects = model.effects(problem)
     if effects is None:
         return points
-    return points_with_effects(problem.kernel, points, effects, model.noise)
+    return parameter_vectors_with_trial_effects(problem.kernel, points, effects, model.noise)
 
 
-def small_force_noise(
+def noise_with_small_random_forces(
     problem: CauseSearchProblem, noise: Noise, *, share: float = SMALL_FORCE_SHARE,
     time_s: float = SMALL_FORCE_CORRELATION_TIME_S,
 ) -> Noise:  # fmt: skip

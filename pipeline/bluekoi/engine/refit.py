@@ -104,7 +104,7 @@ def start_values(
     return out
 
 
-def fit_set(
+def fit_cause_set(
     problem: CauseSearchProblem,
     causes: Sequence[str],
     noise: Noise,
@@ -230,9 +230,9 @@ def refit_from_fitted_values(
     deviations: Mapping[str, float] | None = None, predictor: FilterResults | None = None,
 ) -> FittedCauseSet:  # fmt: skip
     """A set fitted from where it is, with its own discrepancy and deviations or others; predictor:
-    as in `fit_set`.
+    as in `fit_cause_set`.
     """
-    return fit_set(problem, model.causes, noise, model.fit.by_label(), free=model.fit.free,
+    return fit_cause_set(problem, model.causes, noise, model.fit.by_label(), free=model.fit.free,
                    effects=model.effects(problem), predictor=predictor,
                    discrepancy=model.discrepancy if discrepancy is None else discrepancy,
                    deviations=model.deviations if deviations is None else deviations)  # fmt: skip

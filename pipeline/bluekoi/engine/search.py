@@ -17,21 +17,25 @@ import numpy as np
 
 from .candidates import Candidate
 from .collinear_terms import collinear_terms
-from .evidence import log_evidence_at_discrepancy_shares, log_prior, most_probable_shares
+from .evidence import (
+    log_evidence_at_discrepancy_shares,
+    log_prior,
+    most_probable_discrepancy_shares,
+)
 from .expansion import (
     LikelihoodExpansion,
     expand_likelihood,
     expand_likelihood_in_all_forms,
-    likely_strengths,
+    one_step_strength_estimates,
     restricted_to_likeliest_forms,
 )
 from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FittedCauseSets
-from .own_noise import fit_own_noise, is_likelier_under, small_force_noise
+from .own_noise import fit_own_noise, is_likelier_under_noise, noise_with_small_random_forces
 from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
-from .refit import FittedCauseSet, fit_set, refit_from_fitted_values, strength_starts
+from .refit import FittedCauseSet, fit_cause_set, refit_from_fitted_values, strength_starts
 from .residual_magnitudes import plausible_residual_magnitudes
 from .set_columns import columns_of_cause_set
-from .set_score import ScoredCauseSet, score_set
+from .set_score import ScoredCauseSet, score_cause_set
 from .subset import d_optimal_trial_subset
 
 REFITS_PER_SET = 5
@@ -54,7 +58,7 @@ MAX_FURTHER_SETS_VERIFIED = 4
 those that lack one of its causes. It bounds the work; sets left out have no probability."""
 
 
-def ranked_proposals(
+def rank_further_causes(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, among: Sequence[Candidate]
 ) -> list[tuple[float, str]]:
     """Further causes by the expansion about a set: log posterior odds and name, the best first."""
@@ -62,7 +66,7 @@ def ranked_proposals(
     if not expansion.usable:
         return []
     own = columns_of_cause_set(problem, expansion, causes)
-    shares = most_probable_shares(expansion, own)
+    shares = most_probable_discrepancy_shares(expansion, own)
     before = log_evidence_at_discrepancy_shares(expansion, own, shares)
     out: list[tuple[float, str]] = []
     for candidate in among:
@@ -86,7 +90,7 @@ def allowed_candidates(problem: CauseSearchProblem, causes: Sequence[str]) -> li
             and not (c.is_residual and c.sources & sources)]  # fmt: skip
 
 
-def search_sets(
+def search_cause_sets(
     problem: CauseSearchProblem, start: dict[str, float] | None = None
 ) -> FittedCauseSets:
     """All sets that a search fitted.
@@ -96,7 +100,7 @@ def search_sets(
     """
     if len(problem.series) <= MAX_SEARCH_TRIALS:
         return _search_on_trials(problem, start or {})
-    plain = fit_set(problem, (), problem.noise, start or {})
+    plain = fit_cause_set(problem, (), problem.noise, start or {})
     part = d_optimal_trial_subset(expand_likelihood(problem, plain).hessian, MAX_SEARCH_TRIALS)
     few = replace(problem, series=tuple(problem.series[i] for i in part))
     return _verify_on_all_trials(problem, _search_on_trials(few, plain.fit.by_label()))
@@ -136,7 +140,7 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
 
     Raises: LinAlgError where the model without causes has no finite fit.
     """
-    first = fit_own_noise(problem, fit_set(problem, (), problem.noise, start))
+    first = fit_own_noise(problem, fit_cause_set(problem, (), problem.noise, start))
     problem.check_baseline(first.noise, first.passes)
     whole, tried = expand_likelihood_in_all_forms(problem, first)
     if not whole.usable:
@@ -145,7 +149,7 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
     problem = replace(problem, collinear_terms=collinear_terms(problem, whole, tried),
                       residual_sizes=plausible_residual_magnitudes(problem, expansion))  # fmt: skip
     visited = FittedCauseSets(problem)
-    visited.sets[frozenset()] = score_set(problem, first)
+    visited.sets[frozenset()] = score_cause_set(problem, first)
     visited.full[frozenset()] = expansion
     before = -np.inf
     while (best := visited.best).log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
@@ -180,7 +184,7 @@ def _refit_with_shared_noise(visited: FittedCauseSets) -> None:
             if key == source.model.key or len(key) > len(visited.best.causes):
                 continue
             close = scored.log_posterior > visited.best.log_posterior - MAX_LOG_ODDS_TO_REFIT
-            if close or is_likelier_under(visited.problem, scored.model, source.model.noise):
+            if close or is_likelier_under_noise(visited.problem, scored.model, source.model.noise):
                 _keep_better_noise(visited, scored, source.model)
 
 
@@ -193,7 +197,7 @@ def _keep_better_noise(
     again = refit_from_fitted_values(
         problem, model, source.noise, discrepancy=left or model.discrepancy
     )
-    other = score_set(problem, fit_own_noise(problem, again))
+    other = score_cause_set(problem, fit_own_noise(problem, again))
     if other.log_joint > scored.log_joint:
         visited.sets[scored.model.key] = other
         visited.full.pop(scored.model.key, None)
@@ -204,7 +208,7 @@ def _fit_further_causes(
 ) -> None:
     """Fit the most promising further causes beside a set."""
     expansion = visited.expansion(scored)
-    found = ranked_proposals(
+    found = rank_further_causes(
         visited.problem, expansion, allowed_candidates(visited.problem, scored.causes)
     )
     candidates = visited.problem.by_name
@@ -228,12 +232,12 @@ def _fit_further_under_small_forces(visited: FittedCauseSets, scored: ScoredCaus
     """
     problem = visited.problem
     model = refit_from_fitted_values(
-        problem, scored.model, small_force_noise(problem, scored.model.noise)
+        problem, scored.model, noise_with_small_random_forces(problem, scored.model.noise)
     )
     if not model.usable:
         return
     expansion = expand_likelihood(problem, model)
-    found = ranked_proposals(problem, expansion, allowed_candidates(problem, scored.causes))
+    found = rank_further_causes(problem, expansion, allowed_candidates(problem, scored.causes))
     for _, name in found[:SMALL_FORCE_REFITS_PER_SET]:
         visited.add(
             (*scored.causes, name),
@@ -247,4 +251,6 @@ def _start_of_further_cause(
     visited: FittedCauseSets, expansion: LikelihoodExpansion, name: str
 ) -> dict[str, float]:
     """Where the fit of a further cause begins: at the strength and the form of the expansion."""
-    return likely_strengths(visited.problem, expansion, name) | expansion.starts.get(name, {})
+    return one_step_strength_estimates(visited.problem, expansion, name) | expansion.starts.get(
+        name, {}
+    )

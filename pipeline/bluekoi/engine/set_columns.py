@@ -96,21 +96,21 @@ def columns_of_cause_set(
         included=np.array([c.included for c in columns]),
         signed={c: has_single_sign(system, problem.by_name[c]) for c in causes},
         at=np.array([c.at for c in columns]),
-        held=np.array([_is_held(problem, expansion, c.index) for c in columns]),
+        held=np.array([_is_held_at_bound(problem, expansion, c.index) for c in columns]),
         sizes={c: plausible_strengths(problem, c)[: len(blocks[c])] for c in causes},
         discrepancy={c: np.array([own.get(k.index, 0.0) for k in columns])
                      for c, own in relative.items() if own},
     )  # fmt: skip
 
 
-def combinations_of_shares(lay: CauseSetColumns) -> list[dict[str, float]]:
+def discrepancy_share_combinations(lay: CauseSetColumns) -> list[dict[str, float]]:
     """Cause -> share, for every combination of `PRIOR_DISCREPANCY_SHARES` of the causes."""
     causes = list(lay.discrepancy)
     return [dict(zip(causes, shares, strict=True))
             for shares in product(PRIOR_DISCREPANCY_SHARES, repeat=len(causes))]  # fmt: skip
 
 
-def precisions_with_shares(
+def precisions_at_discrepancy_shares(
     lay: CauseSetColumns, combinations: Sequence[Mapping[str, float]]
 ) -> Float:
     """Prior precisions (n, p) of the columns with each of n combinations of the shares of the
@@ -198,7 +198,10 @@ def _discrepancy_strength_scales(
     ):
         candidate = problem.by_name[cause]
         found[cause] = {
-            column: max(_relative_size(expansion, candidate, free, column), MIN_INFORMATION)
+            column: max(
+                _residual_strength_equal_to_cause(expansion, candidate, free, column),
+                MIN_INFORMATION,
+            )
             for other in problem.candidates
             if other.name not in causes and other.name in expansion.strengths
             and problem.covers(candidate, other)
@@ -228,7 +231,7 @@ def _discrepancy_columns(
             for i, size in largest.items()]  # fmt: skip
 
 
-def _relative_size(
+def _residual_strength_equal_to_cause(
     expansion: LikelihoodExpansion, cause: Candidate, term: FreeParameter, column: int
 ) -> float:
     """Strength at which a residual term has the force of a cause in the term's channel; of a cause
@@ -259,7 +262,9 @@ def _tolerance_columns(
     ]
 
 
-def _is_held(problem: CauseSearchProblem, expansion: LikelihoodExpansion, column: int) -> bool:
+def _is_held_at_bound(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, column: int
+) -> bool:
     """Whether a fitted number stands at a bound that the gradient pushes against."""
     free = expansion.model.fit.free
     if column >= len(free):

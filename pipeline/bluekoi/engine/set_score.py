@@ -91,7 +91,7 @@ def refit_with_discrepancy(
                                          discrepancy=discrepancy)  # fmt: skip
         if not model.usable:
             return None
-        return score_set(problem, fit_own_noise(problem, model, most=most))
+        return score_cause_set(problem, fit_own_noise(problem, model, most=most))
 
     found = fitted_from({label: value for label, (value, _) in best.items()})
     if found is None or found.log_joint < scored.log_joint:
@@ -101,10 +101,10 @@ def refit_with_discrepancy(
             return found
         return refit_with_discrepancy(problem, found, most=most, rounds=rounds - 1)
     held = {label: scored.model.discrepancy.get(label, 0.0) for label in stds}
-    return score_set(problem, replace(scored.model, deviations=stds, discrepancy=held))
+    return score_cause_set(problem, replace(scored.model, deviations=stds, discrepancy=held))
 
 
-def score_set(problem: CauseSearchProblem, model: FittedCauseSet) -> ScoredCauseSet:
+def score_cause_set(problem: CauseSearchProblem, model: FittedCauseSet) -> ScoredCauseSet:
     """Log posterior of a fitted set, its causes' discrepancy integrated out."""
     causes = [problem.by_name[c] for c in model.causes]
     covered = [c for c in problem.candidates if any(problem.covers(own, c) for own in causes)

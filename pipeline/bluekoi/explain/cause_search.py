@@ -21,12 +21,12 @@ from ..engine import (
     insignificance_sentence,
     posterior_over_sets,
     refit_without_discrepancy,
-    search_sets,
+    search_cause_sets,
 )
 from ..engine.calibration import calibrated_probability
 from ..engine.naming import MIN_NAMED_PROBABILITY, UNLISTED_FORCE_LABEL, log_evidence_gain
 from ..engine.problem import no_progress
-from ..engine.set_score import score_set
+from ..engine.set_score import score_cause_set
 from ..errors import InputError, InputIssue, did_you_mean
 from ..fitting import TrialSeries
 from .checks import refuse_invalid_model
@@ -49,10 +49,14 @@ from .fit_quality import (
 )
 from .model import Model
 from .numbers import FittedNumber, at_bound_sentences, fitted_numbers, undetermined_sentences
-from .preparation import PreparedCauseSearch, prepare_cause_search, step_error_and_warning
+from .preparation import (
+    PreparedCauseSearch,
+    integration_step_error_and_warning,
+    prepare_cause_search,
+)
 from .recording_warnings import unusual_recording_warnings
 from .sampling import averaged_to_rate
-from .trials import HELD_OUT_ROLE, Trial, as_trial_series, cut_at_gaps, validated_trials
+from .trials import HELD_OUT_ROLE, Trial, as_trial_series, split_trials_at_gaps, validated_trials
 
 MAX_RANDOM_FORCE_SHARE = 0.5
 """Random force with the named causes over that without, above which the report warns."""
@@ -125,7 +129,7 @@ def explain(
     """
     refuse_invalid_model(model)
     whole = validated_trials(model, trials)
-    given = cut_at_gaps(model, whole)
+    given = split_trials_at_gaps(model, whole)
     names = requested_causes(model, candidates, without)
     for one in compare:
         requested_causes(
@@ -136,7 +140,7 @@ def explain(
         ready = prepare_cause_search(model, fit, names, progress)
     checked = partial(refuse_far_larger_errors, ready)
     try:
-        visited = search_sets(replace(ready.problem, check_baseline=checked))
+        visited = search_cause_sets(replace(ready.problem, check_baseline=checked))
     except np.linalg.LinAlgError:
         raise divergence_error(model, fit) from None
     problem = visited.problem
@@ -200,7 +204,7 @@ def _fit_compared_set(
     scored = visited.add(causes, visited.sets[frozenset()].model)
     if scored is None:
         return ComparedSet(causes, -np.inf, PREDICTION_ERRORS, (), {})
-    scored = score_set(problem, fit_own_noise(problem, scored.model))
+    scored = score_cause_set(problem, fit_own_noise(problem, scored.model))
     final = fit_without_discrepancy(problem, scored.model)
     ((criterion, errors),) = errors_by_better_criterion(
         ready.model, problem, [final], test, horizon_s
@@ -267,9 +271,9 @@ def _cause_search_warnings(
         f"Baseline: {w}" for w in at_bound_sentences([n for n in base if n.label in labels])
     ]
     out += undetermined_sentences(own)
-    if w := step_error_and_warning(ready, _parameter_vectors(ready, best.model), best.model.noise)[
-        1
-    ]:
+    if w := integration_step_error_and_warning(
+        ready, _parameter_vectors(ready, best.model), best.model.noise
+    )[1]:
         out.append(w)
     return out
 

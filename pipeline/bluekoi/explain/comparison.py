@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..data import Float
-from ..engine import CauseSearchProblem, FittedCauseSet, fit_set
+from ..engine import CauseSearchProblem, FittedCauseSet, fit_cause_set
 from ..engine.refit import start_values
 from ..fitting import (
     ParameterFit,
@@ -21,7 +21,7 @@ from ..fitting import (
     rts_smooth,
     trial_parameter_vector,
 )
-from ..fitting.trial_effects import drawn_trial_effects, points_with_effects
+from ..fitting.trial_effects import parameter_vectors_with_trial_effects, sample_trial_effects
 from .model import Model
 
 MAX_LOG_PERTURBATION_GROWTH = 6.0
@@ -159,7 +159,7 @@ def errors_by_better_criterion(
 
 def refit_to_trials(problem: CauseSearchProblem, model: FittedCauseSet) -> FittedCauseSet:
     """The same set under the same noise, fitted to other trials; itself where that runs away."""
-    found = fit_set(problem, model.causes, model.noise, model.fit.by_label(),
+    found = fit_cause_set(problem, model.causes, model.noise, model.fit.by_label(),
                    free=[f for f in model.fit.free if f.group is None
                          or f.group in {s.group for s in problem.series}])  # fmt: skip
     if not found.usable:
@@ -268,8 +268,8 @@ def noise_floor_errors(
     rows: list[Float] = []
     names, known = [one.name for one in series], found.fit.normal.effects.values
     for _ in range(NOISE_FLOOR_DRAWS):
-        effects = drawn_trial_effects(known, names, rng)
-        at = points_with_effects(problem.kernel, values, effects, found.noise)
+        effects = sample_trial_effects(known, names, rng)
+        at = parameter_vectors_with_trial_effects(problem.kernel, values, effects, found.noise)
         made = parametric_bootstrap(problem.kernel, series, at, [found.noise] * len(series),
                                     starts, rng)  # fmt: skip
         rows += segment_errors(model, problem, whole, made, horizon_s)

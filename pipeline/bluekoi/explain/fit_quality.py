@@ -65,7 +65,7 @@ def error_sentences(ready: PreparedCauseSearch, model: FittedCauseSet) -> list[s
     white noise and errors that last together.
     """
     observations = ready.model.observations
-    ratios = errors_over_stated(ready, model.noise)
+    ratios = estimated_over_stated_errors(ready, model.noise)
     squares = np.concatenate([f.innovations**2 for f in model.passes if len(f.innovations)])
     small = np.nanmean(np.where(squares > 0, squares, np.nan), axis=0) < MIN_MEAN_SQUARE_INNOVATION
     return [
@@ -82,7 +82,7 @@ def error_sentences(ready: PreparedCauseSearch, model: FittedCauseSet) -> list[s
     ]
 
 
-def errors_over_stated(ready: PreparedCauseSearch, noise: Noise) -> Float:
+def estimated_over_stated_errors(ready: PreparedCauseSearch, noise: Noise) -> Float:
     """Estimated errors (observations,), white and lasting ones together, over the stated ones."""
     lasting = noise.disturbance[-len(ready.model.observations) :]
     return np.hypot(noise.scale, lasting / stated_std(ready.problem.series))
@@ -94,7 +94,9 @@ def refuse_far_larger_errors(
     """InputError where the errors of the model without causes are over a hundred times the stated
     ones, as in a wrong unit.
     """
-    for o, ratio in zip(ready.model.observations, errors_over_stated(ready, noise), strict=True):
+    for o, ratio in zip(
+        ready.model.observations, estimated_over_stated_errors(ready, noise), strict=True
+    ):
         if ratio > MAX_ERROR_OVER_STATED_TO_FIT:
             one = _trial_with_most_errors(passes)
             raise input_error(

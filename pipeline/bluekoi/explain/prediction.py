@@ -26,7 +26,7 @@ from .model import Model
 from .trials import Trial, validated_trials
 
 DEFAULT_KNOWN_S, MIN_KNOWN_SAMPLES = 1.0, 3
-RUNAWAY_RANGES = 10.0
+RUNAWAY_OVER_OBSERVED_RANGE = 10.0
 """A free run that leaves its recording by so many times the range of an observation ran away."""
 
 
@@ -131,15 +131,16 @@ def runaway_sentences(runs: Mapping[tuple[str, str], Sequence[FreeSimulation]]) 
         own = away.setdefault(name, [])
         own += [r.trial for r in rows if r.trial not in own and _has_run_away(r)]
     return [f"Free runs of the {name} model leave {', '.join(trials)} by more than "
-            f"{RUNAWAY_RANGES:g} times their range: small errors grow without limit there, or the "
-            "model does not hold." for name, trials in away.items() if trials]  # fmt: skip
+            f"{RUNAWAY_OVER_OBSERVED_RANGE:g} times their range: small errors grow without limit "
+            "there, or the model does not hold."
+            for name, trials in away.items() if trials]  # fmt: skip
 
 
 def _has_run_away(run: FreeSimulation) -> bool:
     known = np.isfinite(run.seen)
     error = np.where(known, np.abs(run.simulated - run.seen), 0.0)
     extent = np.nanmax(run.seen, axis=0) - np.nanmin(run.seen, axis=0)
-    return not (error <= RUNAWAY_RANGES * np.where(extent > 0.0, extent, np.inf)).all()
+    return not (error <= RUNAWAY_OVER_OBSERVED_RANGE * np.where(extent > 0.0, extent, np.inf)).all()
 
 
 @np.errstate(all="ignore")

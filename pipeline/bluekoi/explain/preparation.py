@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from ..data import Float
-from ..engine import CauseSearchProblem, candidates_of
+from ..engine import CauseSearchProblem, candidates_by_effect_name
 from ..engine.candidates import RESIDUAL_EFFECT_KIND
 from ..fitting import FreeParameter, Noise, TrialSeries, filter_all, trial_parameter_vector
 from ..fitting.filtering import disturbance_slots
@@ -18,11 +18,11 @@ from .diagnosis import divergence_error
 from .model import Model
 from .recording_faults import median_interval_s
 from .recording_warnings import time_unit_warnings
-from .sampling import MIN_SAMPLES_PER_BLOCK, block_rate_hz
+from .sampling import MIN_SAMPLES_PER_BLOCK, block_averaging_rate_hz
 from .stepping import (
     MAX_LOG_LIKELIHOOD_CHANGE,
     fastest_rates_per_s,
-    log_likelihood_change_by_step,
+    log_likelihood_change_by_finer_step,
     longest_step_s,
 )
 from .system_assembly import AssembledSystem, assemble_system, residual_term_variables
@@ -85,7 +85,7 @@ def prepare_cause_search(
     named = [*names, *([RESIDUAL_EFFECT_KIND] if assembly.residual_sources else [])]
     problem = CauseSearchProblem(
         kernel=kernel, series=tuple(series), base=base, coefficients=free,
-        candidates=candidates_of(assembly.system, named, assembly.priors,
+        candidates=candidates_by_effect_name(assembly.system, named, assembly.priors,
                                  assembly.residual_sources),
         noise=replace(noise, trial_effects=tuple(model.varies)), progress=progress,
         most_causes=MAX_CAUSES_PER_SET,
@@ -167,7 +167,7 @@ def fit_rate_hz(model: Model, trials: Sequence[Trial]) -> float:
         rate = model.most_hz
     elif samples > MAX_SAMPLES:
         rate = min(MAX_SAMPLES / seconds, 1.0 / (MIN_SAMPLES_PER_BLOCK * step))
-    return block_rate_hz([t.times for t in trials], rate)
+    return block_averaging_rate_hz([t.times for t in trials], rate)
 
 
 def stated_std(series: Sequence[TrialSeries]) -> Float:
@@ -227,14 +227,14 @@ def fastest_dynamics_rate_per_s(
     return fast
 
 
-def step_error_and_warning(
+def integration_step_error_and_warning(
     given: PreparedCauseSearch, values: Sequence[Float], noise: Noise
 ) -> tuple[float, str]:
     """Effect of half the integration step on the log likelihood, and a warning where it matters."""
     finer = assemble_system(
         given.model, step_s=0.5 * given.step_s, hold=not np.isfinite(given.rate_hz)
     )
-    change = log_likelihood_change_by_step(
+    change = log_likelihood_change_by_finer_step(
         given.problem.kernel, compile_system(finer.system), given.problem.series, values, noise
     )
     if change <= MAX_LOG_LIKELIHOOD_CHANGE:

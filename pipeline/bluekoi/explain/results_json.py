@@ -76,14 +76,14 @@ def verdict_sentence(found: CauseSearchResult) -> str:
         )
     if found.verdict == "none":
         return "No mismatch beyond the noise: no candidate has a probability above 1/2."
-    said = [f"{c.name} ({c.probability:.2f}{_or_others(c)}): "
+    said = [f"{c.name} ({c.probability:.2f}{_inseparable_alternatives_text(c)}): "
             f"{found.model.by_name[c.name].statement}" for c in found.named]  # fmt: skip
     if found.verdict == UNLISTED_FORCE_LABEL:
         said.append(f"A force acts that no candidate describes ({found.unexplained:.2f}).")
     return " ".join(said)
 
 
-def _or_others(cause: NamedCause) -> str:
+def _inseparable_alternatives_text(cause: NamedCause) -> str:
     others = [n for n in cause.credible_set if n != cause.name]
     return f"; or {', '.join(others)}: these trials cannot separate them" if others else ""
 

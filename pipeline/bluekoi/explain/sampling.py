@@ -17,7 +17,7 @@ BLOCK_POLYNOMIAL_DEGREE = 2
 """Degree of the polynomial through the samples of a block."""
 
 
-def block_rate_hz(times: Sequence[Float], rate_hz: float) -> float:
+def block_averaging_rate_hz(times: Sequence[Float], rate_hz: float) -> float:
     """The rate, or infinity where some trial has fewer than five samples in a block of it."""
     sizes = [_samples_per_block(t, rate_hz) for t in times]
     enough = all(k >= MIN_SAMPLES_PER_BLOCK and len(t) // k >= MIN_SAMPLES_PER_BLOCK

@@ -13,11 +13,12 @@ from ..integrate.batch import repeat_over_lanes, simulate_batch
 
 RATE_INTERVAL_S, STATE_DIFFERENCE = 1e-6, 1e-4
 """Interval over which a rate is taken, s, and difference of a state in its standard deviations."""
-MAX_LINEARISED_STATES = 200
+MAX_LINEARISATION_POINTS = 200
 """Points of the trials at which time constants are computed, at most."""
-STEP_PER_TIME_CONSTANT = 1.0
+MAX_STEP_OVER_TIME_CONSTANT = 1.0
 """Runge and Kutta's fourth-order step is stable up to 2.78 time constants, and exact to 0.007 of a
-decay over one. What that does to a likelihood is checked (`log_likelihood_change_by_step`)."""
+decay over one. What that does to a likelihood is checked
+(`log_likelihood_change_by_finer_step`)."""
 DEFAULT_MAX_INTEGRATION_STEP_S = 0.5
 """Longest integration step, s, of a model without fast dynamics."""
 MAX_LOG_LIKELIHOOD_CHANGE = 0.5
@@ -29,19 +30,19 @@ def fastest_rates_per_s(
 ) -> Float:
     """Largest |eigenvalue| (states visited,), 1/s, of the model's own states along trials."""
     out = []
-    each = max(1, MAX_LINEARISED_STATES // max(len(passes), 1))
+    each = max(1, MAX_LINEARISATION_POINTS // max(len(passes), 1))
     for one, result, value in zip(passes.series, passes, values, strict=True):
         frames = np.unique(
             np.linspace(0, len(one.times) - 1, min(each, len(one.times))).astype(int)
         )
-        slopes = jacobians(kernel, one, result.filtered[frames], value, frames)
+        slopes = state_jacobians(kernel, one, result.filtered[frames], value, frames)
         usable = slopes[np.isfinite(slopes).all(axis=(1, 2))]
         if len(usable):
             out.append(np.abs(np.linalg.eigvals(usable)).max(axis=1))
     return np.concatenate(out) if out else np.zeros(1)
 
 
-def jacobians(
+def state_jacobians(
     kernel: CompiledSystem, one: TrialSeries, states: Float, values: Float, frames: np.ndarray
 ) -> Float:
     """Slopes (frames, own states, own states) of the rates of change by the model's own states."""
@@ -67,11 +68,11 @@ def jacobians(
 def longest_step_s(rate_per_s: float) -> float:
     """Integration step for a model whose fastest time constant is 1 / rate."""
     return float(
-        min(DEFAULT_MAX_INTEGRATION_STEP_S, STEP_PER_TIME_CONSTANT / max(rate_per_s, 1e-9))
+        min(DEFAULT_MAX_INTEGRATION_STEP_S, MAX_STEP_OVER_TIME_CONSTANT / max(rate_per_s, 1e-9))
     )
 
 
-def log_likelihood_change_by_step(
+def log_likelihood_change_by_finer_step(
     coarse: CompiledSystem,
     fine: CompiledSystem,
     series: Sequence[TrialSeries],

@@ -13,7 +13,7 @@ from types import ModuleType
 
 import numpy as np
 
-from ..engine import Priors
+from ..engine import PriorInclusionProbabilities
 from ..engine.candidates import RESIDUAL_EFFECT_KIND, ChannelVariablePairs
 from ..files import write_text
 from ..integrate import Effect, Parameter, System, kernel_folder
@@ -53,7 +53,7 @@ class AssembledSystem:
 
     system: System
     residual_sources: Mapping[str, ChannelVariablePairs]
-    priors: Priors
+    priors: PriorInclusionProbabilities
 
 
 def assemble_system(
@@ -84,7 +84,7 @@ def assemble_system(
     return AssembledSystem(
         system,
         {f"{RESIDUAL_EFFECT_KIND}.{t.name}": frozenset({(t.channel, t.variable)}) for t in terms},
-        Priors(likely=known),
+        PriorInclusionProbabilities(likely=known),
     )
 
 

@@ -215,9 +215,9 @@ def initial_state_mean_and_cov(
         if given is not None:
             mean[k] = given[k]
         elif s.observed:
-            mean[k] = level_and_slope(times, seen[:, names.index(s.observed)])[0]
+            mean[k] = initial_level_and_slope(times, seen[:, names.index(s.observed)])[0]
         elif s.rate_of:
-            mean[k] = level_and_slope(times, seen[:, names.index(s.rate_of)])[1]
+            mean[k] = initial_level_and_slope(times, seen[:, names.index(s.rate_of)])[1]
         else:
             mean[k] = s.start
     for cause in model.causes:
@@ -226,14 +226,14 @@ def initial_state_mean_and_cov(
     return mean, np.diag(std**2)
 
 
-def level_and_slope(times: Float, values: Float) -> tuple[float, float]:
+def initial_level_and_slope(times: Float, values: Float) -> tuple[float, float]:
     """Value and slope at the first time, by a line through the first known samples."""
     known = np.flatnonzero(np.isfinite(values))[:8]
     slope, level = np.polyfit(times[known] - times[0], values[known], 1)
     return float(level), float(slope)
 
 
-def cut_at_gaps(model: Model, trials: Sequence[Trial]) -> list[Trial]:
+def split_trials_at_gaps(model: Model, trials: Sequence[Trial]) -> list[Trial]:
     """Trials cut where the inputs are not known for many sampling intervals: what they did in a
     gap would be taken for known. The parts keep their condition; too short ones are left out.
     """

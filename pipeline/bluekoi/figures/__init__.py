@@ -30,11 +30,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "draw",
-    "draw_file",
     "figure_caption",
     "figure_names",
     "figure_title",
     "missing_results",
+    "write_figure_files",
 ]
 
 RESULT_DESCRIPTIONS = {
@@ -97,7 +97,9 @@ def draw(name: str, campaign: Campaign) -> Figure:
         return figure
 
 
-def draw_file(name: str, campaign: Campaign, path_png: str | Path, path_pdf: str | Path) -> None:
+def write_figure_files(
+    name: str, campaign: Campaign, path_png: str | Path, path_pdf: str | Path
+) -> None:
     """Write a figure as png, vector pdf and csv (beside the png); deterministic.
 
     The png carries title and caption as metadata, and in `Comment` the results that were missing.

@@ -10,7 +10,7 @@ from matplotlib.gridspec import SubplotSpec
 from ..campaign import Campaign
 from ..study import Trial
 from .drawing import groups
-from .drawing.circles import compared_angle_deg, draw_turns
+from .drawing.circles import draw_turns, head_angle_with_most_lengths_deg
 from .drawing.groups import ConditionMean
 from .drawing.pool import draw_pool, draw_robots
 from .drawing.style import Z_95, Style, panel_letter, placeholder, power_styles
@@ -92,7 +92,7 @@ def _draw_speeds(
                 axes.set_title(f"{power:g} % power")
             axes.tick_params(labelleft=column == 0, labelbottom=row == len(heads) - 1)
             if column == 0:
-                axes.set_ylabel(f"{groups.head_name(campaign, head)}\nspeed (m/s)")
+                axes.set_ylabel(f"{groups.head_length_label(campaign, head)}\nspeed (m/s)")
             if row == len(heads) - 1:
                 axes.set_xlabel("time (s)")
     if first is not None:
@@ -131,7 +131,7 @@ def _draw_average_speeds(axes: Axes, campaign: Campaign, styles: dict[float, Sty
         mine = [mean for mean in means if mean.head_length_m == head]
         shift = 1.2 * (i - 0.5 * (len(groups.head_lengths(campaign)) - 1))
         at = [mean.power_pct + shift for mean in mine]
-        line, name = ("-", "--", ":", "-.")[i % 4], groups.head_name(campaign, head)
+        line, name = ("-", "--", ":", "-.")[i % 4], groups.head_length_label(campaign, head)
         axes.plot(at, [m.value for m in mine], color="0.45", ls=line, lw=1, label=name)
         for x, mean in zip(at, mine, strict=True):
             groups.draw_mean(axes, x, mean, styles[mean.power_pct])
@@ -163,7 +163,7 @@ def _draw_radius_over_angle(
 def _draw_radius_over_length(
     circles: Axes, averages: Axes, campaign: Campaign, styles: dict[float, Style]
 ) -> None:
-    angle = compared_angle_deg(campaign)
+    angle = head_angle_with_most_lengths_deg(campaign)
     mine = [t for t in groups.turning_trials(campaign) if abs(t.head_angle_deg) == angle]
     panel_letter(circles, "F")
     draw_turns(circles, campaign, mine, styles, vary="length")

@@ -102,7 +102,7 @@ def _draw_turn_step(
             *circle_points(seen).T, color=MEASURED_COLOUR, lw=0.7, ls=LINE_STYLES[2 * (i % 2)]
         )
         longer = length > campaign.study.setup.robot.head_length_m + 1e-6
-        name = f"{angle:g}°" + (f", {groups.head_name(campaign, length)}" if longer else "")
+        name = f"{angle:g}°" + (f", {groups.head_length_label(campaign, length)}" if longer else "")
         labels.append(
             f"{name}: data {seen:.3f} m"
             + _draw_model_circle(axes, campaign, row, (angle, length, seen))

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from ..campaign import Campaign
 from ..data import Float
 from .drawing import groups
-from .drawing.circles import compared_angle_deg
+from .drawing.circles import head_angle_with_most_lengths_deg
 from .drawing.groups import ConditionMean
 from .drawing.model_sweeps import (
     FitAtPower,
@@ -39,7 +39,7 @@ ANGLES_DEG = np.arange(10.0, 61.0, 2.5)
 LENGTHS_M = np.arange(0.04, 0.2401, 0.01)
 TIMES_S = np.arange(151) / 30.0
 UNTESTED_COLOUR = "#e6eaed"
-MEASURED_RADII_SHOWN = 1.8
+MAX_SHOWN_OVER_MEASURED_RADIUS = 1.8
 """Radius at which panel C ends, over the largest one measured."""
 
 
@@ -126,7 +126,7 @@ def _draw_radius_over_angle(
 def _draw_radius_over_length(
     axes: Axes, campaign: Campaign, rows: dict[float, FitAtPower], styles: dict[float, Style]
 ) -> None:
-    angle = compared_angle_deg(campaign)
+    angle = head_angle_with_most_lengths_deg(campaign)
     if not np.isfinite(angle):
         placeholder(axes, "no turn in this study")
         return
@@ -165,7 +165,7 @@ def _limit_to_measured_radii(axes: Axes, seen: list[ConditionMean]) -> None:
     head becomes short.
     """
     if seen:
-        highest = MEASURED_RADII_SHOWN * max(m.value + m.std for m in seen)
+        highest = MAX_SHOWN_OVER_MEASURED_RADIUS * max(m.value + m.std for m in seen)
         axes.set_ylim(top=min(axes.get_ylim()[1], highest))
 
 
@@ -197,7 +197,8 @@ def _draw_inset(
         )
     inner.axhline(0, color="0.3", lw=0.8)
     inner.set_title(
-        f"data - model, {groups.head_name(campaign, means[0].head_length_m)} (mm)", fontsize=7
+        f"data - model, {groups.head_length_label(campaign, means[0].head_length_m)} (mm)",
+        fontsize=7,
     )
     inner.set_xticks([m.power_pct for m in shown])
     inner.set_xlabel("power (%)", fontsize=6.5, labelpad=1)

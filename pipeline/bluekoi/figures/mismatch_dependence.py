@@ -36,7 +36,11 @@ FIGURE_CAPTION = (
     "significant dependence, each force is shown over the variable of the commonest cause."
 )
 REQUIRED_RESULTS = ("tracks", "steady", "mismatch_detail")
-DEFAULT_PAIRS = (("surge", "speed_m_s"), ("sway", "sway_speed_m_s"), ("yaw", "yaw_rate_rad_s"))
+DEFAULT_CHANNEL_VARIABLE_PAIRS = (
+    ("surge", "speed_m_s"),
+    ("sway", "sway_speed_m_s"),
+    ("yaw", "yaw_rate_rad_s"),
+)
 """Channel and variable drawn where nothing explains the force."""
 PANEL_COUNT = 3
 MAX_BINS = 12
@@ -91,11 +95,11 @@ def _channel_variable_pairs(
     channels = [channel for cause in causes[:1] for channel in cause.get("channels", [])]
     default = [
         pair
-        for pair in DEFAULT_PAIRS
+        for pair in DEFAULT_CHANNEL_VARIABLE_PAIRS
         if pair[0] in channels and pair not in list(shares)[:PANEL_COUNT]
     ]
     first = list(shares)[: PANEL_COUNT - len(default[:1])]
-    return first + default[:1] if first else list(DEFAULT_PAIRS), shares
+    return first + default[:1] if first else list(DEFAULT_CHANNEL_VARIABLE_PAIRS), shares
 
 
 def _draw_panel(

@@ -34,7 +34,7 @@ from .sandwich import (
     ClusterInfluence,
     TrialRandomEffect,
     cluster_covariance,
-    newton_step_off_bounds,
+    newton_step_ignoring_bounds,
 )
 from .series import FreeParameter, Noise, SharedMeasurement, TrialEffect, TrialSeries
 
@@ -73,7 +73,7 @@ __all__ = [
     "inverse_fisher",
     "log_likelihood_by_trial",
     "missing_force",
-    "newton_step_off_bounds",
+    "newton_step_ignoring_bounds",
     "off_bounds",
     "parametric_bootstrap",
     "regularised_fisher_inverse",

@@ -222,7 +222,7 @@ def values_with_noise_switched_on(kernel: CompiledSystem, values: Float, noise: 
     A random effect's parameters are `present` and then a memory for all its states, or one each.
     """
     out = values.copy()
-    for present, memories, first, last in _random_effect_slots(kernel.system):
+    for present, memories, first, last in _stochastic_effect_slots(kernel.system):
         acts = bool(np.any(noise.disturbance[first:last] > 0))
         out[present] = float(acts)
         for i, slot in enumerate(memories if acts else ()):
@@ -231,7 +231,7 @@ def values_with_noise_switched_on(kernel: CompiledSystem, values: Float, noise: 
 
 
 @lru_cache(maxsize=64)
-def _random_effect_slots(system: System) -> tuple[tuple[int, tuple[int, ...], int, int], ...]:
+def _stochastic_effect_slots(system: System) -> tuple[tuple[int, tuple[int, ...], int, int], ...]:
     """Of each random effect: places of `present` and of its memories, its states from and to."""
     out, at = [], 0
     for effect in (e for e in system.effects if e.kind == "disturbance"):

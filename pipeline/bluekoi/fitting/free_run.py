@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import map_ranges_in_threads, simulate_batch
-from .gram import set_products
+from .gram import compute_column_products
 from .series import TrialSeries, observations_and_weights, padded_arrays
 
 FIT_HORIZON_SHARES = (0.25, 0.5, 1.0)
@@ -102,7 +102,8 @@ class _PaddedRuns:
         observed, _ = self.of(starts)
         out = np.empty((len(starts), 1 + self.count, 1 + self.count))
         map_ranges_in_threads(
-            lambda *ends: set_products(observed, self.seen, self.weight, ends, out), len(out)
+            lambda *ends: compute_column_products(observed, self.seen, self.weight, ends, out),
+            len(out),
         )
         out[:, 1:] /= START_STATE_DIFFERENCE
         out[:, :, 1:] /= START_STATE_DIFFERENCE

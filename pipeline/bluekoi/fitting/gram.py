@@ -29,7 +29,7 @@ def _add_column_products(columns: Float, count: int, sums: Float) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH_FLAGS)
-def set_products(
+def compute_column_products(
     observed: Float, seen: Float, weight: Float, trials: tuple[int, int], out: Float
 ) -> None:
     """Set `out` (trials, used, used) to the products of columns of the trials first to last.
@@ -63,7 +63,7 @@ def set_products(
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH_FLAGS)
-def set_whitened_products(  # noqa: PLR0917
+def add_whitened_column_products(  # noqa: PLR0917
     observed: Float, seen: Float, roots: Float, frames: np.ndarray, first: np.ndarray,
     places: np.ndarray, counts: np.ndarray, trials: tuple[int, int], out: Float,
 ) -> None:  # fmt: skip

@@ -19,9 +19,9 @@ from .predictions import slots_by_name
 from .series import FreeParameter, Noise, TrialSeries
 
 CONVERGED = "converged"
-AT_BOUND = "at a bound: the data ask for more than is plausible, look for missing physics"
+AT_BOUND_REASON = "at a bound: the data ask for more than is plausible, look for missing physics"
 STALLED = "stalled: no step improves the fit; try other starts, or fewer free coefficients"
-RESTRICTED_TOLERANCE = 0.3
+TRUST_REGION_STEP_TOLERANCE_FACTOR = 0.3
 """Part of the tolerance at which a step that the trust region shortens ends a fit."""
 FAILED_STEP_TOLERANCE = 2.0
 """Part of the tolerance at which a step that fails ends a fit, unless the region shortens it."""
@@ -92,9 +92,10 @@ def fit_parameters_jointly(
     start: values by label; without it the parameters' own starts. Ends with the step that changes
     the numbers by no more than `tolerance` of their standard deviations in the mean square: its
     gain follows from the quadratic model of the last normal equations. A step that is small because
-    the region is ends the fit at `RESTRICTED_TOLERANCE` of that, and is not taken: there the
-    quadratic model has failed. A whole step that fails and is at most `FAILED_STEP_TOLERANCE` of
-    the tolerance ends the fit where it is: the differences are no more exact than that.
+    the region is ends the fit at `TRUST_REGION_STEP_TOLERANCE_FACTOR` of that, and is not taken:
+    there the quadratic model has failed. A whole step that fails and is at most
+    `FAILED_STEP_TOLERANCE` of the tolerance ends the fit where it is: the differences are no more
+    exact than that.
     predictor, spreads: as in `trial_normal_equations`, and so are effects, at the start.
     """
     slots = slots_by_name(kernel)
@@ -112,7 +113,9 @@ def fit_parameters_jointly(
         step = bounded_step(H, g, lower - x, upper - x, radius)
         longest = float(np.max(np.abs(step) * np.sqrt(np.maximum(np.diag(H), 0.0)), initial=0.0))
         whole = longest < (1 - 1e-9) * radius
-        if _is_small(normal, step, tolerance * (1.0 if whole else RESTRICTED_TOLERANCE)):
+        if _is_small(
+            normal, step, tolerance * (1.0 if whole else TRUST_REGION_STEP_TOLERANCE_FACTOR)
+        ):
             if whole:
                 x, normal = (
                     np.clip(x + step, lower, upper),
@@ -121,9 +124,10 @@ def fit_parameters_jointly(
             outcome = CONVERGED
             break
         trial = np.clip(x + step, lower, upper)
-        candidate = trial_normal_equations(kernel, series, base, free, trial, noise=noise,
-                                           predictor=predictor, spreads=spreads,
-                                           effects=_effects_after_step(normal, step))  # fmt: skip
+        candidate = trial_normal_equations(
+            kernel, series, base, free, trial, noise=noise, predictor=predictor, spreads=spreads,
+            effects=_trial_effects_after_step(normal, step),
+        )  # fmt: skip
         gain = float(candidate.log_likelihood.sum() - normal.log_likelihood.sum())
         slope = float(g @ step)
         share = gain / (slope - 0.5 * float(step @ H @ step))
@@ -140,7 +144,7 @@ def fit_parameters_jointly(
             top = 0.5 * slope / (slope - gain) if np.isfinite(gain) else 0.0
             radius = longest * float(np.clip(top, MIN_SHRINKAGE, MAX_SHRINKAGE))
     bound = (x <= lower) | (x >= upper)
-    outcome = AT_BOUND if outcome == CONVERGED and bound.any() else outcome
+    outcome = AT_BOUND_REASON if outcome == CONVERGED and bound.any() else outcome
     return ParameterFit(
         tuple(free), x, normal, outcome, count, free_definitions(kernel.system, free)
     )
@@ -151,7 +155,7 @@ def _is_small(normal: NormalEquationsByTrial, change: Float, tolerance: float) -
     return bool(change @ normal.hessian.sum(axis=0) @ change < tolerance**2 * max(len(change), 1))
 
 
-def _effects_after_step(normal: NormalEquationsByTrial, step: Float) -> Float:
+def _trial_effects_after_step(normal: NormalEquationsByTrial, step: Float) -> Float:
     """Most probable trial effects (t, q) a step further, to first order."""
     return normal.effects.values + normal.effects.slopes @ step
 
@@ -165,7 +169,7 @@ def _normal_equations_after_step(
         normal,
         gradient=normal.gradient - bend,
         log_likelihood=normal.log_likelihood + (normal.gradient - 0.5 * bend) @ step,
-        effects=replace(normal.effects, values=_effects_after_step(normal, step)),
+        effects=replace(normal.effects, values=_trial_effects_after_step(normal, step)),
     )
 
 

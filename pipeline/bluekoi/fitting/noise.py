@@ -65,12 +65,16 @@ def estimate_noise_model(
 
     logs, width = np.log([max(_noise_vector(noise)[k], MIN_NOISE_STRENGTH) for k in estimated]), 0.7
     linear = linearised(kernel, some, points, noise_of(logs), passes)
-    before = _or_diverged(sum(f.log_likelihood for f in passes))
+    before = _log_likelihood_or_diverged(sum(f.log_likelihood for f in passes))
     if line_searches:
-        best = _or_diverged(log_likelihood(linear, noise_of(logs)))
+        best = _log_likelihood_or_diverged(log_likelihood(linear, noise_of(logs)))
         for i in range(len(logs)):
             logs, best = _parabolic_step(
-                lambda x: _or_diverged(log_likelihood(linear, noise_of(x))), logs, best, i, width
+                lambda x: _log_likelihood_or_diverged(log_likelihood(linear, noise_of(x))),
+                logs,
+                best,
+                i,
+                width,
             )
         linear = linearised(kernel, some, points, noise_of(logs))
 
@@ -79,7 +83,7 @@ def estimate_noise_model(
 
     found = noise_of(_quasi_newton_steps(objective, logs, rounds))
     again = filter_all(kernel, some, points, found)
-    if _or_diverged(sum(f.log_likelihood for f in again)) > before:
+    if _log_likelihood_or_diverged(sum(f.log_likelihood for f in again)) > before:
         return FittedNoise(found, again)
     return FittedNoise(noise, passes)
 
@@ -105,7 +109,7 @@ def _quasi_newton_steps(
     return np.asarray(found.x)
 
 
-def _or_diverged(likelihood: float) -> float:
+def _log_likelihood_or_diverged(likelihood: float) -> float:
     """The likelihood, or `LOG_LIKELIHOOD_IF_DIVERGED`."""
     return likelihood if np.isfinite(likelihood) else LOG_LIKELIHOOD_IF_DIVERGED
 

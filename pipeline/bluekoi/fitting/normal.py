@@ -18,7 +18,7 @@ from .filtering import FilterResults, filter_all
 from .predictions import ParameterChange, difference_step, slots_by_name, whitened_products
 from .series import FreeParameter, Noise, TrialSeries
 from .side_measurements import side_measurement_terms
-from .trial_effects import NO_EFFECTS, ProbableEffects, marginal_products_at_effects
+from .trial_effects import NO_EFFECTS, MostProbableTrialEffects, marginal_products_at_effects
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class NormalEquationsByTrial:
     hessian: Float
     gradient: Float
     log_likelihood: Float
-    effects: ProbableEffects = NO_EFFECTS
+    effects: MostProbableTrialEffects = NO_EFFECTS
 
     @property
     def usable(self) -> bool:

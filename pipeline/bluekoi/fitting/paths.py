@@ -25,7 +25,7 @@ from ..data import Float
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import map_ranges_in_threads, simulate_batch
 from .bounded_step import bounded_step
-from .gram import set_products
+from .gram import compute_column_products
 from .joint_fit import CONVERGED, STALLED, ParameterFit, free_definitions
 from .normal import NormalEquationsByTrial
 from .padded import PaddedTrials, padded_trials
@@ -50,7 +50,7 @@ class TrajectoryFit:
 
 
 @dataclass(frozen=True)
-class _BlockNormal:
+class _BlockNormalEquations:
     """Blocks of the normal equations by trial (t), of parameters (p) and starting states (s).
 
     common (t, p, p), mixed (t, p, s), start (t, s, s); right-hand sides common_rhs (t, p) and
@@ -65,7 +65,7 @@ class _BlockNormal:
     cost: Float
 
 
-NO_BLOCKS = _BlockNormal(*(np.zeros(0) for _ in range(6)))
+NO_BLOCK_NORMAL_EQUATIONS = _BlockNormalEquations(*(np.zeros(0) for _ in range(6)))
 
 
 def fit_trajectories(
@@ -98,7 +98,7 @@ def fit_trajectories(
         at = _minimise_from(problem.first_part(share), at, limits,
                             iterations=iterations if whole else COARSE_ITERATIONS,
                             tolerance=tolerance if whole else 1.0)  # fmt: skip
-    normal, _ = _eliminate_starts(at.blocks, 0.0)
+    normal, _ = _eliminate_starting_states(at.blocks, 0.0)
     found = ParameterFit(tuple(free), at.x, normal, at.outcome, at.count,
                          free_definitions(kernel.system, free))  # fmt: skip
     return TrajectoryFit(found, at.starts)
@@ -111,7 +111,7 @@ class _Iterate:
     x: Float
     starts: Float
     damping: float
-    blocks: _BlockNormal = NO_BLOCKS
+    blocks: _BlockNormalEquations = NO_BLOCK_NORMAL_EQUATIONS
     outcome: str = STALLED
     count: int = 0
 
@@ -120,9 +120,11 @@ def _minimise_from(
     problem: PaddedTrials, at: _Iterate, limits: Float, *, iterations: int, tolerance: float
 ) -> _Iterate:
     """Rounds from a point on, until the next step would move nothing beyond the tolerance."""
-    at = replace(at, blocks=_block_normal(problem, at.x, at.starts), outcome=STALLED, count=0)
+    at = replace(
+        at, blocks=_block_normal_equations(problem, at.x, at.starts), outcome=STALLED, count=0
+    )
     while np.isfinite(at.blocks.cost).all() and at.count < iterations and at.damping < 1e8:
-        normal, to_start = _eliminate_starts(at.blocks, at.damping)
+        normal, to_start = _eliminate_starting_states(at.blocks, at.damping)
         H, g = normal.hessian.sum(axis=0), normal.gradient.sum(axis=0)
         damped = H + at.damping * np.diag(np.diag(H))
         x = np.clip(at.x + bounded_step(damped, g, *(limits - at.x)), *limits)
@@ -131,7 +133,7 @@ def _minimise_from(
         starts[:, : problem.open_states] += shift
         if _is_small(at.blocks, x - at.x, shift, tolerance):
             return replace(at, outcome=CONVERGED)
-        blocks = _block_normal(problem, x, starts)
+        blocks = _block_normal_equations(problem, x, starts)
         if np.isfinite(blocks.cost).all() and blocks.cost.sum() <= at.blocks.cost.sum():
             at = _Iterate(x, starts, max(at.damping * 0.1, 1e-9), blocks, count=at.count + 1)
         else:
@@ -139,7 +141,7 @@ def _minimise_from(
     return at
 
 
-def _is_small(blocks: _BlockNormal, change: Float, shift: Float, tolerance: float) -> bool:
+def _is_small(blocks: _BlockNormalEquations, change: Float, shift: Float, tolerance: float) -> bool:
     """Whether a step moves nothing by more than `tolerance` of its deviation, starts included."""
     moved = change @ blocks.common.sum(axis=0) @ change
     moved += 2.0 * np.einsum("p,tps,ts->", change, blocks.mixed, shift)
@@ -147,8 +149,10 @@ def _is_small(blocks: _BlockNormal, change: Float, shift: Float, tolerance: floa
     return bool(moved < tolerance**2 * max(change.size + shift.size, 1))
 
 
-def _block_normal(problem: PaddedTrials, x: Float, starts: Float) -> _BlockNormal:
-    """`_BlockNormal` at a point, from batches of simulations."""
+def _block_normal_equations(
+    problem: PaddedTrials, x: Float, starts: Float
+) -> _BlockNormalEquations:
+    """`_BlockNormalEquations` at a point, from batches of simulations."""
     n = problem.open_states
     size = np.concatenate([np.full(n, START_STATE_DIFFERENCE),
                            1e-4 * np.maximum(np.abs(x), problem.least_step)])  # fmt: skip
@@ -164,7 +168,7 @@ def _block_normal(problem: PaddedTrials, x: Float, starts: Float) -> _BlockNorma
     pull = (starts - problem.prior) / problem.prior_std
     H[:, range(n), range(n)] += 1.0 / problem.prior_std[:, :n] ** 2
     g[:, :n] -= (pull / problem.prior_std)[:, :n]
-    return _BlockNormal(H[:, n:, n:], H[:, n:, :n], H[:, :n, :n], g[:, n:], g[:, :n],
+    return _BlockNormalEquations(H[:, n:, n:], H[:, n:, :n], H[:, :n, :n], g[:, n:], g[:, :n],
                   products[:, 0, 0] + np.sum(pull**2, axis=1))  # fmt: skip
 
 
@@ -187,12 +191,14 @@ def _residual_and_jacobian_products(
     )  # fmt: skip
     seen, weight = (np.ascontiguousarray(a[trials]) for a in (problem.seen, problem.weight))
     out = np.empty((len(state), 1 + len(size), 1 + len(size)))
-    map_ranges_in_threads(lambda *ends: set_products(observed, seen, weight, ends, out), len(state))
+    map_ranges_in_threads(
+        lambda *ends: compute_column_products(observed, seen, weight, ends, out), len(state)
+    )
     return out
 
 
-def _eliminate_starts(
-    blocks: _BlockNormal, damping: float
+def _eliminate_starting_states(
+    blocks: _BlockNormalEquations, damping: float
 ) -> tuple[NormalEquationsByTrial, tuple[Float, Float]]:
     """Schur complement, summed over trials; the starts' steps: slope (t, s, p) and own (t, s)."""
     if blocks.start.size == 0:

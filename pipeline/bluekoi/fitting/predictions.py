@@ -14,7 +14,7 @@ from ..data import Float
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import map_ranges_in_threads, simulate_batch
 from .filtering import MAX_FILTER_STEP_S, FilterResults, values_with_noise_switched_on
-from .gram import set_whitened_products
+from .gram import add_whitened_column_products
 from .series import FreeParameter, Noise
 
 CHANGES_PER_BLOCK = LANES - 1
@@ -86,7 +86,9 @@ def whitened_products(
     counts = np.array([1 + len(ks) for ks in own])
     out = np.zeros((len(passes), len(steps), len(steps)))
     given = (observed, passes.seen, passes.roots, passes.frames, first, places, counts)
-    map_ranges_in_threads(lambda *ends: set_whitened_products(*given, ends, out), len(passes))
+    map_ranges_in_threads(
+        lambda *ends: add_whitened_column_products(*given, ends, out), len(passes)
+    )
     return out / (steps[:, None] * steps)
 
 

@@ -76,7 +76,7 @@ def _trial_influence(normal: NormalEquationsByTrial, move: np.ndarray, power: fl
     total, own = H.sum(axis=0)[np.ix_(move, move)], H[informed][:, move][:, :, move]
     # the sum of gradients is zero at the fit, so the rest's gradient is -g_t
     return -np.einsum(
-        "tpq,tq->tp", _inverse_without_each_trial(total, own, power), g[informed][:, move]
+        "tpq,tq->tp", _leave_one_trial_out_inverse_fisher(total, own, power), g[informed][:, move]
     )
 
 
@@ -88,7 +88,7 @@ def inverse_fisher(normal: NormalEquationsByTrial, move: np.ndarray) -> Float:
     return out
 
 
-def _inverse_without_each_trial(total: Float, own: Float, power: float) -> Float:
+def _leave_one_trial_out_inverse_fisher(total: Float, own: Float, power: float) -> Float:
     """R (1 - S_t)^-power R' (t, p, p): inverses (power 1) of what is left of a Fisher matrix (p, p)
     without each trial's own, but `MIN_INFORMATION_SHARE_LEFT` of every direction.
     """

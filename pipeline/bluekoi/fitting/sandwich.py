@@ -175,7 +175,7 @@ def _trial_effect_scores_cov(
     return variance * np.einsum("tp,tq->tpq", k, k)
 
 
-def newton_step_off_bounds(normal: NormalEquationsByTrial) -> tuple[Float, ClusterCovariance]:
+def newton_step_ignoring_bounds(normal: NormalEquationsByTrial) -> tuple[Float, ClusterCovariance]:
     """Change (p,) to where all numbers would go if none were held at a bound, by one Newton step,
     and their `ClusterCovariance` there.
     """

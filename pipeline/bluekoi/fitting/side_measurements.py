@@ -94,7 +94,7 @@ def predict_side_measurement(
     for effect in system.effects:
         function = effect.evidence.get(name)
         if callable(function):
-            at = _arguments(system, effect, function, points, arguments)
+            at = _prediction_arguments(system, effect, function, points, arguments)
             value += _evaluate_rows(function, at)
             names = list(inspect.signature(function).parameters)
             for row in (p for p in effect.parameters if p.name in effect.informs[name]):
@@ -107,7 +107,7 @@ def predict_side_measurement(
     return value, slopes
 
 
-def _arguments(
+def _prediction_arguments(
     system: System, effect: Effect, function: Function, points: Float, arguments: Float
 ) -> Float:
     """Arguments (t, arguments) of a prediction: parameters of the effect, inputs, the time t and

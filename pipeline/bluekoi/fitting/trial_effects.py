@@ -23,21 +23,21 @@ NEWTON_STEPS = 2
 
 
 @dataclass(frozen=True)
-class ProbableEffects:
+class MostProbableTrialEffects:
     """Most probable trial effects at a point: values (t, q), slopes (t, q, p) by its numbers."""
 
     values: Float
     slopes: Float
 
 
-NO_EFFECTS = ProbableEffects(np.zeros((1, 0)), np.zeros((1, 0, 1)))
+NO_EFFECTS = MostProbableTrialEffects(np.zeros((1, 0)), np.zeros((1, 0, 1)))
 """Of a model without such effects."""
 
 
 def marginal_products_at_effects(
     kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float],
     changes: Sequence[ParameterChange], *, noise: Noise, effects: Float | None = None,
-) -> tuple[Float, Float, ProbableEffects]:  # fmt: skip
+) -> tuple[Float, Float, MostProbableTrialEffects]:  # fmt: skip
     """Marginal products and constants, as `marginal_products`, at full parameter vectors, one a
     trial, linearised about `effects` (t, q) or, without, the most probable ones there.
     """
@@ -45,7 +45,7 @@ def marginal_products_at_effects(
     if effects is None:
         effects = _most_probable_effects(kernel, passes, points, noise)
     more = [*changes, *trial_effect_changes(kernel, points, noise)]
-    at = points_with_effects(kernel, points, effects, noise)
+    at = parameter_vectors_with_trial_effects(kernel, points, effects, noise)
     products = whitened_products(kernel, passes, at, more, noise)
     return marginal_products(_products_without_trial_effects(products, effects), stds)
 
@@ -60,7 +60,7 @@ def _most_probable_effects(
     stds = _effect_stds(points, noise)
     changes = trial_effect_changes(kernel, points, noise)
     for _ in range(NEWTON_STEPS):
-        at = points_with_effects(kernel, points, found, noise)
+        at = parameter_vectors_with_trial_effects(kernel, points, found, noise)
         products = whitened_products(kernel, passes, at, changes, noise)
         found = marginal_products(_products_without_trial_effects(products, found), stds)[2].values
     return found
@@ -71,7 +71,7 @@ def _effect_stds(points: Sequence[Float], noise: Noise) -> Float:
     return np.tile([e.std for e in noise.trial_effects], (len(points), 1))
 
 
-def points_with_effects(
+def parameter_vectors_with_trial_effects(
     kernel: CompiledSystem, points: Sequence[Float], effects: Float, noise: Noise
 ) -> list[Float]:
     """Full parameter vectors, one a trial, with the effects (t, q) of each added."""
@@ -81,7 +81,7 @@ def points_with_effects(
     return list(out)
 
 
-def drawn_trial_effects(known: Float, trials: Sequence[str], rng: np.random.Generator) -> Float:
+def sample_trial_effects(known: Float, trials: Sequence[str], rng: np.random.Generator) -> Float:
     """Random effects (points, q), the same for all points of a trial, drawn from the most probable
     effects `known` (n, q) of the fitted trials; trials: that of each point.
     """
@@ -117,7 +117,9 @@ def trial_effect_changes(
     return out
 
 
-def marginal_products(products: Float, stds: Float) -> tuple[Float, Float, ProbableEffects]:
+def marginal_products(
+    products: Float, stds: Float
+) -> tuple[Float, Float, MostProbableTrialEffects]:
     """Products (t, n, n) of columns of which the last q have normal coefficients, integrated out.
 
     With the errors e, columns J and random columns Z of covariance D = diag(stds^2), a trial's
@@ -128,7 +130,9 @@ def marginal_products(products: Float, stds: Float) -> tuple[Float, Float, Proba
     q = stds.shape[1]
     kept = products.shape[1] - q
     if q == 0:
-        none = ProbableEffects(np.zeros((len(products), 0)), np.zeros((len(products), 0, kept - 1)))
+        none = MostProbableTrialEffects(
+            np.zeros((len(products), 0)), np.zeros((len(products), 0, kept - 1))
+        )
         return products, np.zeros(len(products)), none
     scaled = products[:, :, kept:] * stds[:, None, :]  # P_z D^1/2
     inner = np.eye(q) + scaled[:, kept:] * stds[:, :, None]
@@ -136,5 +140,5 @@ def marginal_products(products: Float, stds: Float) -> tuple[Float, Float, Proba
     with np.errstate(invalid="ignore"):  # of a trial in which the model runs away
         constant = -0.5 * np.linalg.slogdet(inner)[1]
     probable = stds[:, :, None] * solved
-    effects = ProbableEffects(probable[:, :, 0], -probable[:, :, 1:])
+    effects = MostProbableTrialEffects(probable[:, :, 0], -probable[:, :, 1:])
     return products[:, :kept, :kept] - scaled[:, :kept] @ solved, constant, effects

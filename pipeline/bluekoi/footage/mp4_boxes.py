@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-CONTAINER_BOXES = (b"moov", b"udta", b"trak", b"mdia", b"edts")
+BOXES_WITH_CHILDREN = (b"moov", b"udta", b"trak", b"mdia", b"edts")
 """Boxes of an mp4 file that contain others."""
 TOP_LEVEL_BOXES = (b"ftyp", b"moov", b"mdat", b"free", b"wide", b"skip", b"pnot", b"uuid")
 """Boxes that an mp4 file may begin with."""
@@ -85,7 +85,7 @@ def _nested_boxes(body: bytes, depth: int, path: str = "") -> Iterator[tuple[str
         here = f"{path}/{name.decode('latin-1')}".lstrip("/")
         inside = body[at + 8 : at + length]
         found.append((here, inside))
-        if name in CONTAINER_BOXES and depth < MAX_BOX_DEPTH:
+        if name in BOXES_WITH_CHILDREN and depth < MAX_BOX_DEPTH:
             found.extend(_nested_boxes(inside, depth + 1, here))
         at += length
     return iter(found[::-1])

@@ -55,7 +55,7 @@ def video_properties(path: Path, boxes: ContainerBoxes | None) -> VideoPropertie
         declared, present = _frame_counts(stream, path, duration * fps)
         first = _first_picture(container, stream, path)
         rotation = round(first.rotation / 90.0) * 90 % 360
-        keys = _key_frame_stamps(stream, path.stat().st_size)
+        keys = _key_frame_timestamps(stream, path.stat().st_size)
         return VideoProperties(
             size_px=(stream.width, stream.height),
             codec=stream.codec_context.name,
@@ -156,7 +156,7 @@ def _count_frames_by_reading(path: Path) -> int:
     return found
 
 
-def _key_frame_stamps(stream: Any, size: int) -> tuple[int, ...]:
+def _key_frame_timestamps(stream: Any, size: int) -> tuple[int, ...]:
     """Timestamps (stream units) of the key frames whose bytes are in the file."""
     entries = stream.index_entries
     return tuple(int(e.timestamp) for e in entries if e.is_keyframe and e.pos + e.size <= size)

@@ -41,7 +41,7 @@ two of them parse Python at once (3.11: "AST constructor recursion depth mismatc
 
 
 @dataclass(frozen=True)
-class _Compiled:
+class _KernelFunctions:
     """Functions of one kernel; see `kernel_template.txt` for their arguments."""
 
     propagate: Callable[..., None]
@@ -70,21 +70,21 @@ class CompiledSystem:
         """Log likelihood of one trial; arguments as in `kernel_template.txt`, `on` the 13th."""
         return self._of(given[12]).kalman(*given)
 
-    def _of(self, on: np.ndarray) -> _Compiled:
+    def _of(self, on: np.ndarray) -> _KernelFunctions:
         """The kernel for the effects that are on."""
-        return self._general if on[self._not_random].any() else self._fast
+        return self._general if on[self._deterministic_effects].any() else self._fast
 
     @cached_property
-    def _not_random(self) -> np.ndarray:
+    def _deterministic_effects(self) -> np.ndarray:
         """Which effects are more than random parts, (effects,)."""
         return np.array([e.kind != STOCHASTIC_EFFECT_KIND for e in self.system.effects], dtype=bool)
 
     @cached_property
-    def _fast(self) -> _Compiled:
+    def _fast(self) -> _KernelFunctions:
         return _load_compiled(self.system, False)
 
     @cached_property
-    def _general(self) -> _Compiled:
+    def _general(self) -> _KernelFunctions:
         return _load_compiled(self.system, True)
 
 
@@ -95,12 +95,12 @@ def compile_system(system: System) -> CompiledSystem:
 
 
 @lru_cache(maxsize=64)
-def _load_compiled(system: System, general: bool) -> _Compiled:
+def _load_compiled(system: System, general: bool) -> _KernelFunctions:
     with _LOADING_LOCK:
         return _write_and_load(system, general)
 
 
-def _write_and_load(system: System, general: bool) -> _Compiled:
+def _write_and_load(system: System, general: bool) -> _KernelFunctions:
     """A kernel written, where it was not yet, and loaded."""
     text = kernel_source(system, general=general)
     digest = hashlib.sha256(text.encode())
@@ -112,7 +112,7 @@ def _write_and_load(system: System, general: bool) -> _Compiled:
     if not path.exists():
         write_text(path, text)
     module = load_source(name, path)
-    return _Compiled(module.propagate, module.compiled_filter)
+    return _KernelFunctions(module.propagate, module.compiled_filter)
 
 
 def kernel_folder() -> Path:

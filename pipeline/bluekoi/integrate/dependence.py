@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Iterable, Sequence
 
-from .inlining import InlinedCode, inlined
+from .inlining import InlinedCode, inlined_expressions
 from .system import Effect, Function, Stage, System
 
 STOCHASTIC_EFFECT_KIND = "disturbance"
@@ -75,7 +75,7 @@ def trivial_outputs(system: System) -> dict[str, str]:
         count = len(stage.outputs)
         values = ["0.0"] * count
         if stage.function:
-            values = inlined(stage.function, given, InlinedCode(), count)
+            values = inlined_expressions(stage.function, given, InlinedCode(), count)
         for output, value in zip(stage.outputs, values, strict=True):
             if value in given or _is_number(value):
                 found[output] = found.get(value, value)

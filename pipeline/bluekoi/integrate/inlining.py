@@ -52,7 +52,7 @@ class NotInlinable(Exception):
     """A function does not stand in straight lines."""
 
 
-def inlined(
+def inlined_expressions(
     function: Function, given: Sequence[str], lines: InlinedCode, count: int | None = None
 ) -> list[str]:
     """Expressions of what a function returns for these arguments; its lines go to `lines`.
@@ -162,7 +162,7 @@ class _InliningTransformer(ast.NodeTransformer):
     def _outputs(self, call: ast.Call) -> list[ast.expr]:
         if call.keywords:
             raise NotInlinable
-        function = self._meant(call.func)
+        function = self._resolved_in_module(call.func)
         arguments = [self.visit(a) for a in call.args]
         for module, names in COMPILED_FUNCTIONS.items():
             for name in names:
@@ -172,7 +172,7 @@ class _InliningTransformer(ast.NodeTransformer):
             function, [self.lines.hold(a, "given") for a in arguments], self.lines
         )
 
-    def _meant(self, node: ast.expr) -> Any:
+    def _resolved_in_module(self, node: ast.expr) -> Any:
         """What a name, or an attribute of a module, stands for in the function's own module."""
         if isinstance(node, ast.Name) and node.id in self.scope:
             return self.scope[node.id]
@@ -189,11 +189,15 @@ class _InliningTransformer(ast.NodeTransformer):
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
         """A known value, or a number of the function's module."""
-        return self.known[node.id] if node.id in self.known else _number_constant(self._meant(node))
+        return (
+            self.known[node.id]
+            if node.id in self.known
+            else _number_constant(self._resolved_in_module(node))
+        )
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
         """A number of another module, such as math.pi."""
-        return _number_constant(self._meant(node))
+        return _number_constant(self._resolved_in_module(node))
 
     def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.expr:
         """Minus nothing is nothing."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from .dependence import argument_names
-from .inlining import InlinedCode, inlined
+from .inlining import InlinedCode, inlined_expressions
 from .rows import LANES, RowNumbers
 from .system import Effect, Function, Stage
 
@@ -45,7 +45,7 @@ class Loop:
     def results(self, function: Function, count: int, effect: str = "") -> list[str]:
         """Expressions of a function's outputs; an effect's own names come before others."""
         given = [self.value(n, effect, function) for n in argument_names(function)]
-        return inlined(function, given, self._lines, count)
+        return inlined_expressions(function, given, self._lines, count)
 
     def value(self, name: str, effect: str = "", where: Function | None = None) -> str:
         """Expression for a named value.

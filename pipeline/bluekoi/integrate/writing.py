@@ -35,7 +35,7 @@ MOVE_HEADER = FUNCTION_HEADER.format(
 
 
 @dataclass(frozen=True)
-class _Plan:
+class _KernelSpecification:
     """What a kernel is written from; `called` collects functions that cannot be written out."""
 
     system: System
@@ -55,7 +55,11 @@ class _Plan:
 
 def kernel_source(system: System, *, general: bool) -> str:
     """Source text of a system's general kernel, or of its fast one."""
-    plan = _Plan(system, RowNumbers(system), system.effects if general else random_parts(system))
+    plan = _KernelSpecification(
+        system,
+        RowNumbers(system),
+        system.effects if general else stochastic_effects_of_system(system),
+    )
     parts = {
         "hold": _constant_stages_source(plan),
         "observe": _observe_source(plan),
@@ -81,12 +85,12 @@ def kernel_source(system: System, *, general: bool) -> str:
     )
 
 
-def random_parts(system: System) -> tuple[Effect, ...]:
+def stochastic_effects_of_system(system: System) -> tuple[Effect, ...]:
     """The effects that every filter has: random forces and errors."""
     return tuple(e for e in system.effects if e.kind == STOCHASTIC_EFFECT_KIND)
 
 
-def _zero_order_hold(plan: _Plan) -> list[str]:
+def _zero_order_hold(plan: _KernelSpecification) -> list[str]:
     """Lines that keep held inputs at their value of the frame before."""
     out: list[str] = []
     for name in plan.system.zero_order_hold:
@@ -107,13 +111,13 @@ def _import_lines(called: dict[str, Function]) -> list[str]:
     return lines
 
 
-def _constant_stages_source(plan: _Plan) -> list[str]:
+def _constant_stages_source(plan: _KernelSpecification) -> list[str]:
     return [line for s in constant_stages(plan.system) for line in _base_model_loop(plan, s)] or [
         "    pass"
     ]
 
 
-def _fast_kernel_source(plan: _Plan) -> list[str]:
+def _fast_kernel_source(plan: _KernelSpecification) -> list[str]:
     """Steps without effects and with random parts, and which is taken."""
     timed = [any("t" in stage_arguments(s, effects) for s in state_dependent_stages(plan.system))
              for effects in ((), plan.effects)]  # fmt: skip
@@ -132,7 +136,7 @@ def _fast_kernel_source(plan: _Plan) -> list[str]:
     ]
 
 
-def _fused_runge_kutta_stage(plan: _Plan, effects: Sequence[Effect]) -> list[str]:
+def _fused_runge_kutta_stage(plan: _KernelSpecification, effects: Sequence[Effect]) -> list[str]:
     """One Runge-Kutta stage in a single loop: rates, and what they add to state and sum."""
     loop, rows = Loop(plan.rows, trivial_outputs(plan.system)), plan.rows
     for stage in state_dependent_stages(plan.system):
@@ -160,7 +164,7 @@ def _add_rate_to_sum(loop: Loop, rows: RowNumbers, state: str, rate: str) -> Non
     loop.store(rows.of(f"total_{state}"), f"{loop.value('weight')} * {rate}", "+=")
 
 
-def _general_kernel_source(plan: _Plan) -> list[str]:
+def _general_kernel_source(plan: _KernelSpecification) -> list[str]:
     """Rates by stages, and a step by them."""
     body = ["            rates(m, on)", *_runge_kutta_shift_source(plan, plan.system.states)]
     for effect in plan.effects:
@@ -181,7 +185,7 @@ def _general_kernel_source(plan: _Plan) -> list[str]:
     ]  # fmt: skip
 
 
-def _runge_kutta_shift_source(plan: _Plan, states: Sequence[str]) -> list[str]:
+def _runge_kutta_shift_source(plan: _KernelSpecification, states: Sequence[str]) -> list[str]:
     loop = Loop(plan.rows)
     clock = f" * {loop.value('clock_rate')}" if "clock_rate" in plan.rows.named else ""
     for name in ("weight", "reach"):
@@ -191,7 +195,7 @@ def _runge_kutta_shift_source(plan: _Plan, states: Sequence[str]) -> list[str]:
     return plan.text(loop, 3)
 
 
-def _rates_source(plan: _Plan) -> list[str]:
+def _rates_source(plan: _KernelSpecification) -> list[str]:
     """Every stage as loops of its own; held stages only where an effect may change them."""
     constant = constant_stages(plan.system)
     changed: dict[str, list[Effect]] = {}
@@ -213,7 +217,7 @@ def _rates_source(plan: _Plan) -> list[str]:
     return lines
 
 
-def _observe_source(plan: _Plan) -> list[str]:
+def _observe_source(plan: _KernelSpecification) -> list[str]:
     """What is seen; stages that only effects ask for where one of those is on."""
     observe = next(s for s in plan.system.stages if s.name == "observe")
     always = required_stages(plan.system, observe, ())
@@ -226,13 +230,13 @@ def _observe_source(plan: _Plan) -> list[str]:
 
 
 def _code_lines_if_effect_active(
-    plan: _Plan, effects: Sequence[Effect], lines: Sequence[str]
+    plan: _KernelSpecification, effects: Sequence[Effect], lines: Sequence[str]
 ) -> list[str]:
     """Lines for where one of the effects is on."""
     return [f"    if {plan.on(effects)}:", *(f"    {line}" for line in lines)] if effects else []
 
 
-def _stage_source(plan: _Plan, stage: Stage) -> list[str]:
+def _stage_source(plan: _KernelSpecification, stage: Stage) -> list[str]:
     """Lane loops of one stage: the model's own function, then each effect that is on."""
     lines, targets = _base_model_loop(plan, stage), plan.rows.outputs(stage)
     for effect in plan.effects:
@@ -244,7 +248,7 @@ def _stage_source(plan: _Plan, stage: Stage) -> list[str]:
     return lines
 
 
-def _base_model_loop(plan: _Plan, stage: Stage) -> list[str]:
+def _base_model_loop(plan: _KernelSpecification, stage: Stage) -> list[str]:
     targets = plan.rows.outputs(stage)
     if stage.function:
         return _assignment_loop(plan, stage.function, targets, "")
@@ -255,7 +259,12 @@ def _base_model_loop(plan: _Plan, stage: Stage) -> list[str]:
 
 
 def _assignment_loop(
-    plan: _Plan, function: Function, targets: Sequence[int], effect: str, *, assign: str = "="
+    plan: _KernelSpecification,
+    function: Function,
+    targets: Sequence[int],
+    effect: str,
+    *,
+    assign: str = "=",
 ) -> list[str]:
     """Loop that sets rows to a function's outputs, or adds these to them."""
     loop = Loop(plan.rows)

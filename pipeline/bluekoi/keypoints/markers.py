@@ -19,7 +19,7 @@ from ..errors import input_error
 from ..study import StudySettings, Trial
 from .dots.centroid import coverage_centroid
 from .dots.variances import dot_variances, occlusion_variances
-from .outline.plane import SwimmingPlaneMap, swimming_plane
+from .outline.plane import SwimmingPlaneMap, swimming_plane_map
 
 NEEDS_COLOUR = True
 """The detector takes colour frames (bgr), not grey ones."""
@@ -64,7 +64,7 @@ def detect_keypoints(
         found = f"{len(hues)} hues"
         expected = "a hue in degrees for head_tip and two of hinge, core_center, tail_base"
         raise input_error("study.yaml", "detection.marker_hues_deg", found, expected)
-    plane, lengths = swimming_plane(setup), keypoint_distance_ranges_bl(setup, trial)
+    plane, lengths = swimming_plane_map(setup), keypoint_distance_ranges_bl(setup, trial)
     names = tuple(part for part in BODY_PART_NAMES if part in hues)
     times, rows = [], []
     box: tuple[int, int, int, int] | None = None
@@ -127,7 +127,7 @@ def _detect_parts_in_frame(
     for k, part in enumerate(names):
         best = max(
             (
-                (_consistent_neighbours(dot, part, dots, lengths), dot.weight, i)
+                (_consistent_neighbour_share(dot, part, dots, lengths), dot.weight, i)
                 for i, dot in enumerate(dots[part])
             ),
             default=None,
@@ -186,7 +186,7 @@ def _dot_of_contour(
     return Dot(centre, plane.pixels_to_body_lengths(centre[None])[0], float(total), radius)
 
 
-def _consistent_neighbours(
+def _consistent_neighbour_share(
     dot: Dot,
     part: str,
     dots: Mapping[str, list[Dot]],

@@ -16,12 +16,12 @@ from ..data import BODY_PART_NAMES, Frame, Keypoints, is_confident
 from ..errors import input_error
 from ..study import StudySettings, Trial
 from .midline import detection as midline
-from .outline.absence import absence_reason
+from .outline.absence import robot_not_found_reason
 from .outline.background import median_image, noise_level, sample_frames, without_static_robot
 from .outline.camera_motion import camera_motion_remarks
 from .outline.ghost_removal import background_without_robot
 from .outline.learning import LearnedTemplate, learn_template
-from .outline.plane import SwimmingPlaneMap, in_body_lengths, swimming_plane
+from .outline.plane import SwimmingPlaneMap, in_body_lengths, swimming_plane_map
 from .outline.second_body import second_body_remark
 from .outline.template import robot_length_bl
 from .outline.to_keypoints import keypoints_from_fits
@@ -50,7 +50,7 @@ def detect_keypoints(
 
     Raises: InputError where the footage holds no frame.
     """
-    plane = swimming_plane(setup)
+    plane = swimming_plane_map(setup)
     again = _repeatable_frame_source(frames)
     samples = sample_frames(again(), SCENE_SAMPLE_FRAME_COUNTS[0])
     if not samples:
@@ -98,9 +98,8 @@ def _no_robot_remark(
 ) -> str:
     """The remark where nothing was found."""
     images = [frame.luma for frame in samples]
-    return (
-        f"No robot was found: {absence_reason(images, plane, robot_length_bl(setup.robot, trial))}"
-    )
+    reason = robot_not_found_reason(images, plane, robot_length_bl(setup.robot, trial))
+    return f"No robot was found: {reason}"
 
 
 def _confident_frames_share(found: Keypoints) -> float:

@@ -30,7 +30,7 @@ CAMERA_SHIFT_EFFECT, SHIFT_TIME_NAME, SHIFT_SIZE_NAMES = (
 )
 DISPLACEMENT_PARAMETERS = ("dx", "dy")
 DERIVATIVE_STEP_M = 1e-3
-CHI2_MEDIAN = 1.386
+CHI2_2_DF_MEDIAN = 1.386
 """Median of chi-squared with two degrees of freedom."""
 DISPLACEMENT_PRIOR_PROBABILITY = 0.03
 """Probability that the camera was displaced in a study, as of any other cause."""
@@ -79,7 +79,7 @@ def detect_displacements(
     if not long:
         return []
     glr = [_level_shift_glr(kernel, *one, noise) for one in long]
-    median = max(1.0, float(np.median(np.concatenate([g[0] for g in glr]))) / CHI2_MEDIAN)
+    median = max(1.0, float(np.median(np.concatenate([g[0] for g in glr]))) / CHI2_2_DF_MEDIAN)
     out = []
     for (one, _, _), (ratio, size) in zip(long, glr, strict=True):
         k = int(np.argmax(ratio))

@@ -17,7 +17,7 @@ from ..engine import (
     choose_causes,
     insignificance_sentence,
     posterior_over_sets,
-    search_sets,
+    search_cause_sets,
 )
 from ..engine.naming import MIN_NAMED_PROBABILITY, UNLISTED_FORCE_LABEL, log_evidence_gain
 from ..fitting import (
@@ -116,7 +116,7 @@ def find_mismatch(
     camera = study.setup.camera
     problem = robot_problem(kernel, searched, baseline, displaced=displaced, progress=progress,
                             by_homography=camera is not None and camera.matrix is None)  # fmt: skip
-    visited = search_sets(problem, baseline.fit.by_label())
+    visited = search_cause_sets(problem, baseline.fit.by_label())
     problem = visited.problem
     fitted = list(visited.sets.values())
     found = posterior_over_sets(problem, fitted)

@@ -24,13 +24,13 @@ from ..fitting import (
     free_runs,
     parametric_bootstrap,
 )
-from ..fitting.trial_effects import drawn_trial_effects, points_with_effects
+from ..fitting.trial_effects import parameter_vectors_with_trial_effects, sample_trial_effects
 from ..integrate import CompiledSystem
 from ..integrate.batch import threaded_map
-from ..model import trial_units
+from ..model import robot_units_of_trial
 from ..study import Study
 from ..tuning import JointFit
-from ..tuning.similar_robots import similar_state_std
+from ..tuning.similar_robots import state_std_scaled_to_robot
 from ..tuning.stability import predictability_horizon_s
 
 NOISE_FLOOR_SEED = 20240517
@@ -39,7 +39,7 @@ NOISE_FLOOR_DRAWS = 10
 deviation of (2 N n)^-1/2 if their errors are normally distributed: 9 % for six trials held out."""
 RANDOM_FORCE_SCALES = (0.06, 0.12, 0.25, 0.5, 2.0)
 """Factors on a random force that are tried for each segment."""
-MAX_STD_RATIO = 5.0
+MAX_POSITION_STD_OVER_MEDIAN = 5.0
 """Where a keypoint was off for a frame, the track states 20 to 40 mm instead of 0.4: one such frame
 must not make up half of the error of six paths.
 """
@@ -95,8 +95,8 @@ def _bootstrap_path_errors_m(
     names, known = [one.name for one in segments], tuned.fit.normal.effects.values
 
     def draw() -> list[TrialSeries]:
-        effects = drawn_trial_effects(known, names, rng)
-        at = points_with_effects(kernel, values, effects, tuned.noise)
+        effects = sample_trial_effects(known, names, rng)
+        at = parameter_vectors_with_trial_effects(kernel, values, effects, tuned.noise)
         return parametric_bootstrap(kernel, segments, at, noises, starts, rng)
 
     return [_path_rmse_m(kernel, tuned, draw()) for _ in range(NOISE_FLOOR_DRAWS)]
@@ -140,7 +140,7 @@ def _cut_segment(series: TrialSeries, first: int, last: int) -> TrialSeries:
         return series.frames(first, last)
     mean, cov = series.mean.copy(), series.cov.copy()
     mean[:6] = _state_by_parabola(series, first)
-    std = similar_state_std(trial_units(series.constants), PARABOLA_STATE_STD)
+    std = state_std_scaled_to_robot(robot_units_of_trial(series.constants), PARABOLA_STATE_STD)
     cov[np.arange(6), np.arange(6)] = std**2
     return replace(series.frames(first, last), mean=mean, cov=cov)
 
@@ -149,7 +149,7 @@ def _state_by_parabola(series: TrialSeries, frame: int) -> Float:
     """x, y, heading, surge, sway and yaw rate at a frame, by a parabola over nearby frames."""
     time = series.times[frame]
     known = np.all(np.isfinite(series.seen), axis=1)
-    half_window = START_STATE_HALF_WINDOW_S * trial_units(series.constants).time
+    half_window = START_STATE_HALF_WINDOW_S * robot_units_of_trial(series.constants).time
     near = known & (np.abs(series.times - time) < half_window)
     if near.sum() < 4:
         near = known
@@ -171,8 +171,8 @@ def _path_rmse_m(kernel: CompiledSystem, tuned: JointFit, segments: Sequence[Tri
 
 
 def precisely_seen_frames(segments: Sequence[TrialSeries]) -> list[np.ndarray]:
-    """Frames (n,) of each segment that are seen, with a position std of at most `MAX_STD_RATIO`
-    times the median of the trial.
+    """Frames (n,) of each segment that are seen, with a position std of at most
+    `MAX_POSITION_STD_OVER_MEDIAN` times the median of the trial.
     """
     variances = [np.where(np.isfinite(p.seen[:, 0]), p.noise[:, 0, 0] + p.noise[:, 1, 1], np.nan)
                  for p in segments]  # fmt: skip
@@ -182,7 +182,8 @@ def precisely_seen_frames(segments: Sequence[TrialSeries]) -> list[np.ndarray]:
     median = {name: np.median(known) if len(known := np.concatenate(parts)) else 0.0
              for name, parts in of.items()}  # fmt: skip
     return [
-        v <= MAX_STD_RATIO**2 * median[p.name] for p, v in zip(segments, variances, strict=True)
+        v <= MAX_POSITION_STD_OVER_MEDIAN**2 * median[p.name]
+        for p, v in zip(segments, variances, strict=True)
     ]
 
 

@@ -18,15 +18,15 @@ from ..fitting import MissingForce, TrialSeries
 from ..study import Trial
 
 FOLD_COUNT, POLYNOMIAL_DEGREE = 6, 3
-MIN_ADDED_SHARE = 0.02
+MIN_INCREMENTAL_EXPLAINED_SHARE = 0.02
 MAX_VARIABLES_PER_CHANNEL = 2
 """A channel's force is stated to depend on at most so many variables; each must explain this share
 of all missing force beyond the variables before it.
 """
 MIN_EXPLAINED_SHARE_IN_WEAK_CHANNEL, MIN_TOTAL_SHARE_OF_WEAK_CHANNEL = 0.3, 0.002
-"""In a channel where no variable explains `MIN_ADDED_SHARE`, the best one is stated if it explains
-the first share of the channel's force, and this force is at least the second share of all missing
-force (sums of squares, scaled).
+"""In a channel where no variable explains `MIN_INCREMENTAL_EXPLAINED_SHARE`, the best one is stated
+if it explains the first share of the channel's force, and this force is at least the second share
+of all missing force (sums of squares, scaled).
 """
 FORCE_CHANNELS = ("surge", "sway", "yaw")
 
@@ -75,7 +75,7 @@ def force_dependences(
         force = [y[:, channel] for y in scaled]
         adds = _incremental_explained_shares(variables, force, parts, total)
         for name in variables[0]:
-            explained = cv_explained_squares([v[name] for v in variables], force, parts)
+            explained = cv_explained_sum_of_squares([v[name] for v in variables], force, parts)
             order = [int(t) for t in np.argsort(-explained) if explained[t] > 0]
             trials = tuple(series[t].name for t in order[: max(3, len(order) // 4)])
             share = max(0.0, float(explained.sum())) / total
@@ -92,7 +92,9 @@ def _incremental_explained_shares(
     own = sum(float(np.sum(y**2)) for y in force) / total
     while len(adds) < MAX_VARIABLES_PER_CHANNEL:
         shares = {
-            name: float(cv_explained_squares([v[name] for v in variables], force, parts).sum())
+            name: float(
+                cv_explained_sum_of_squares([v[name] for v in variables], force, parts).sum()
+            )
             / total
             for name in variables[0]
             if name not in adds
@@ -103,7 +105,7 @@ def _incremental_explained_shares(
             and own >= MIN_TOTAL_SHARE_OF_WEAK_CHANNEL
             and shares[best] >= MIN_EXPLAINED_SHARE_IN_WEAK_CHANNEL * own
         )
-        if shares[best] < MIN_ADDED_SHARE and not weak:
+        if shares[best] < MIN_INCREMENTAL_EXPLAINED_SHARE and not weak:
             break
         adds[best] = shares[best]
         force = residualise([v[best] for v in variables], force)
@@ -127,7 +129,7 @@ def _chebyshev_basis(x: Sequence[Float]) -> list[Float]:
     ]
 
 
-def cv_explained_squares(
+def cv_explained_sum_of_squares(
     x: Sequence[Float], y: Sequence[Float], parts: Sequence[np.ndarray]
 ) -> Float:
     """Sum of squares of y explained by a smooth curve over x fitted to other folds, (trials,)."""

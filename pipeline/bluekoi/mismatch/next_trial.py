@@ -20,7 +20,7 @@ from .find import MismatchResult
 HEAD_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0)
 """Head angles of the trials that may be recommended, to either side: settings that a person chooses
 among, without a part in probabilities or verdict."""
-SAME_ANGLE_DEG = 5.0
+SAME_CONDITION_ANGLE_TOLERANCE_DEG = 5.0
 """A trial with the head angle nearer than this has the same condition: a third of the spacing of
 `HEAD_ANGLES_DEG`, and many times the error of a commanded angle (0.3 degrees)."""
 
@@ -104,7 +104,7 @@ def _has_trial_at_condition(study: Study, power: str, angle_deg: float, length_m
     return any(
         percent == float(power)
         and length == length_m
-        and abs(abs(deg) - angle_deg) < SAME_ANGLE_DEG
+        and abs(abs(deg) - angle_deg) < SAME_CONDITION_ANGLE_TOLERANCE_DEG
         for percent, deg, length in (t.condition for t in study.trials)
     )
 

@@ -175,7 +175,7 @@ def dependence_json(found: MismatchResult) -> list[dict[str, Any]]:
              "trials": list(d.trials)} for d in strong]  # fmt: skip
 
 
-def details_json(found: MismatchResult) -> dict[str, Any]:
+def mismatch_detail_json(found: MismatchResult) -> dict[str, Any]:
     """Content of mismatch_detail.json: forces along the paths, candidate sets, coefficients."""
     best = found.posterior.best.log_posterior
     return {

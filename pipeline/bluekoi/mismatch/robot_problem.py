@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..engine import CauseSearchProblem, Priors, candidates_of
+from ..engine import CauseSearchProblem, PriorInclusionProbabilities, candidates_by_effect_name
 from ..fitting import TrialEffect, TrialSeries
 from ..integrate import CompiledSystem, System
 from ..model import MOTION_VARIABLES, RobotUnits, residual_channels_and_variables
 from ..model.plates import CONTROL_INPUT_NAMES
-from ..tuning import JointFit, units_of_trials
+from ..tuning import JointFit, robot_units_of_trials
 from .camera_displacement import (
     CAMERA_SHIFT_EFFECT,
     NULL_DISTRIBUTION_TAIL_FACTOR,
@@ -24,7 +24,9 @@ SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angl
 LOGGED_FREQUENCY_STD_SHARE = (
     0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
 )
-PRIORS = Priors(cause=0.03, unlisted=0.10, likely={"tail_fin_lift": 0.5})
+PRIOR_INCLUSION_PROBABILITIES = PriorInclusionProbabilities(
+    cause=0.03, unlisted=0.10, likely={"tail_fin_lift": 0.5}
+)
 """About one of 30 causes acts in a study, one study in ten has a force that is not listed, and the
 published model cannot swim straight without a fin (docs/paper.md, Audit)."""
 LABEL_STD_M = 0.001  # ASSUME keypoints are labelled to 1 mm on the published body
@@ -37,7 +39,7 @@ UNKNOWN_DEPTH_STD_SHARE = 0.02
 are seen too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
 HOMOGRAPHY_TOLERANCES = {"scale_error.length_error": UNKNOWN_DEPTH_STD_SHARE}
 """A homography from the pool's corners puts keypoints on the water's plane."""
-MIN_TURN_RAD = np.radians(2.0)
+MIN_TURNED_HEAD_ANGLE_RAD = np.radians(2.0)
 """Head angles up to this are straight swimming with an error of the servo."""
 CAUSE_KINDS = ("physics", "measurement", "residual")
 
@@ -62,14 +64,14 @@ def robot_problem(
     left_out = undetermined_causes(system, series)
     names = [e.name for e in system.effects if e.kind in CAUSE_KINDS and e.name not in left_out
              and (displaced or e.name != CAMERA_SHIFT_EFFECT)]  # fmt: skip
-    odds = PRIORS.cause * np.exp(
+    odds = PRIOR_INCLUSION_PROBABILITIES.cause * np.exp(
         -NULL_DISTRIBUTION_TAIL_FACTOR * sum(np.log(len(series) * d.moments) for d in displaced)
     )
-    likely = {**(PRIORS.likely or {}), CAMERA_SHIFT_EFFECT: float(odds)}
+    likely = {**(PRIOR_INCLUSION_PROBABILITIES.likely or {}), CAMERA_SHIFT_EFFECT: float(odds)}
     if trials_with_wrong_clock(series):
-        likely[CLOCK_CAUSE] = PRIORS.cause / len(series)
-    priors = replace(PRIORS, likely=likely)
-    candidates = candidates_of(system, names, priors, residual_channels_and_variables())
+        likely[CLOCK_CAUSE] = PRIOR_INCLUSION_PROBABILITIES.cause / len(series)
+    priors = replace(PRIOR_INCLUSION_PROBABILITIES, likely=likely)
+    candidates = candidates_by_effect_name(system, names, priors, residual_channels_and_variables())
     return CauseSearchProblem(
         kernel=kernel,
         series=tuple(series),
@@ -77,7 +79,7 @@ def robot_problem(
         coefficients=baseline.fit.free,
         candidates=with_constant_clock_error(candidates, series),
         noise=replace(baseline.noise, trial_effects=_command_error_effects(baseline)),
-        tolerances=label_offset_stds(units_of_trials(series))
+        tolerances=label_offset_stds(robot_units_of_trials(series))
         | (HOMOGRAPHY_TOLERANCES if by_homography else {}),
         state_variables=MOTION_VARIABLES,
         progress=progress,
@@ -105,7 +107,7 @@ def undetermined_causes(system: System, series: Sequence[TrialSeries]) -> list[s
     angles = np.array(
         [np.median(s.inputs[:, CONTROL_INPUT_NAMES.index("head_angle")]) for s in series]
     )
-    if (angles > MIN_TURN_RAD).any() and (angles < -MIN_TURN_RAD).any():
+    if (angles > MIN_TURNED_HEAD_ANGLE_RAD).any() and (angles < -MIN_TURNED_HEAD_ANGLE_RAD).any():
         return []
     return [e.name for e in system.effects if e.needs_both_sides]
 

@@ -6,19 +6,19 @@ from .plates import (
     effect_names,
     is_residual,
     robot_system,
+    robot_units_of_trial,
     trial_system,
-    trial_units,
     two_plate_system,
 )
 from .published import PUBLISHED_FLAP_HZ, PUBLISHED_UNITS_NOTE, TABLE_1, TABLE_2_PCT
 from .residual import MOTION_VARIABLES
-from .residual import channels_and_variables as residual_channels_and_variables
+from .residual import channel_variable_pairs_by_term as residual_channels_and_variables
 from .residual import channels_of_residual_term as residual_channels
 from .similarity import RobotUnits, robot_units
 from .simulation import (
     Simulation,
     constants_of_robot_trial,
     simulate,
-    simulate_at,
+    simulate_at_times,
     steady_speed_and_radius,
 )

@@ -17,9 +17,9 @@ from .similarity import (
     PUBLISHED_ROBOT,
     RobotSize,
     RobotUnits,
+    effect_scaled_to_robot,
     parameter_scaled_to_robot,
     robot_units,
-    similar_effect,
 )
 
 HYDRODYNAMIC_COEFFICIENTS = (
@@ -107,7 +107,7 @@ def two_plate_system(units: RobotUnits = PUBLISHED_ROBOT) -> System:
         coefficients=tuple(parameter_scaled_to_robot(p, units) for p in HYDRODYNAMIC_COEFFICIENTS),
         stages=MODEL_EQUATION_STAGES,
         observations=observation.OBSERVED_QUANTITIES,
-        effects=tuple(similar_effect(e, units) for e in all_effects()),
+        effects=tuple(effect_scaled_to_robot(e, units) for e in all_effects()),
         time_unit_s=units.time,
     )
 
@@ -117,7 +117,7 @@ def robot_system(robot: RobotSize) -> System:
     return two_plate_system(robot_units(robot))
 
 
-def trial_units(constants: Float) -> RobotUnits:
+def robot_units_of_trial(constants: Float) -> RobotUnits:
     """`RobotUnits` of the robot in a trial, by the constants (constants,) of the trial."""
     names = DYNAMICS_CONSTANT_NAMES
     mass, length, time = (
@@ -132,7 +132,7 @@ def trial_system(constants: Float) -> System:
     """
     names = two_plate_system().constants
     low, high = (float(constants[names.index(n)]) for n in ("inward_min", "inward_max"))
-    return _with_refraction_between(two_plate_system(trial_units(constants)), low, high)
+    return _with_refraction_between(two_plate_system(robot_units_of_trial(constants)), low, high)
 
 
 @lru_cache(maxsize=64)

@@ -83,7 +83,7 @@ EFFECT_PARAMETERS = tuple(
 STRENGTH_PARAMETER_COUNT = len(EFFECT_PARAMETERS)
 
 
-def channels_and_variables() -> dict[str, frozenset[tuple[str, str]]]:
+def channel_variable_pairs_by_term() -> dict[str, frozenset[tuple[str, str]]]:
     """Term, as `residual.term` -> pairs of channel and variable of its force."""
     return {f"residual.{name}": frozenset((c, variable) for c in channels_of_residual_term(name))
             for name, (_, variable) in RESIDUAL_TERMS_BY_NAME.items()}  # fmt: skip

@@ -98,7 +98,7 @@ def parameter_scaled_to_robot(parameter: Parameter, units: RobotUnits) -> Parame
     )
 
 
-def similar_effect(effect: Effect, units: RobotUnits) -> Effect:
+def effect_scaled_to_robot(effect: Effect, units: RobotUnits) -> Effect:
     """An effect with its parameters, starts and forms for a similar robot."""
     ratios = {p.name: units.ratio(p.unit) for p in effect.parameters}
     first = ratios[effect.parameters[0].name]

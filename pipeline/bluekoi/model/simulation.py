@@ -126,7 +126,7 @@ def simulate(
     inputs: Float = np.column_stack(
         [np.broadcast_to(np.asarray(v, dtype=np.float64), n) for v in (head_angle_rad, flap_hz)]
     )
-    return simulate_at(
+    return simulate_at_times(
         robot_system(setup.robot).values(coefficients, effects),
         times,
         inputs,
@@ -135,7 +135,7 @@ def simulate(
     )
 
 
-def simulate_at(
+def simulate_at_times(
     values: Float, times: Float, inputs: Float, trial_constants: Float, start: Float
 ) -> Simulation:
     """Path at given times for a full parameter vector of the system; start: (6,) or all states."""

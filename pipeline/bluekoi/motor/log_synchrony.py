@@ -14,7 +14,7 @@ import numpy as np
 
 from ..data import Float
 from ..study import Trial
-from .log_video_delay import SAME_FREQUENCY_SHARE
+from .log_video_delay import REPEAT_FREQUENCY_TOLERANCE_SHARE
 from .shaft_angle import wrap_angle
 
 LAG_TOLERANCE_RAD = 0.7
@@ -55,7 +55,7 @@ def _shared_log_warnings(trials: Mapping[str, Trial]) -> list[str]:
 def _out_of_step_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
     seen = {name: status.get("flapping") or {} for name, status in statuses.items()
             if status.get("ok")}  # fmt: skip
-    beats = {name: beat for name, beat in seen.items() if _has_lag(beat)}
+    beats = {name: beat for name, beat in seen.items() if _is_lag_meaningful(beat)}
     hz, lag = (np.array([b[key] for b in beats.values()]) for key in ("flap_hz", "beat_lag_rad"))
     off = lag_deviations_from_majority(hz, lag)
     return [
@@ -67,12 +67,12 @@ def _out_of_step_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str
     ]
 
 
-def _has_lag(beat: Mapping[str, Any]) -> bool:
+def _is_lag_meaningful(beat: Mapping[str, Any]) -> bool:
     """Whether the lag of a trial has a meaning: log and video have about the same frequency."""
     if beat.get("beat_lag_rad") is None or not beat.get("flap_hz"):
         return False
     ratio = (beat.get("video_hz") or np.nan) / beat["flap_hz"]
-    return bool(beat.get("agrees")) or abs(ratio - 1) < SAME_FREQUENCY_SHARE
+    return bool(beat.get("agrees")) or abs(ratio - 1) < REPEAT_FREQUENCY_TOLERANCE_SHARE
 
 
 def lag_deviations_from_majority(flap_hz: Float, lag_rad: Float) -> Float:
@@ -86,6 +86,6 @@ def lag_deviations_from_majority(flap_hz: Float, lag_rad: Float) -> Float:
     if most.sum() < MIN_ALIKE_TRIALS or 2 * most.sum() <= len(lag_rad):
         return np.zeros(len(lag_rad))
     off = wrap_angle(lag_rad - np.angle(np.exp(1j * lag_rad[most]).sum()))
-    repeats = np.abs(np.log(flap_hz[:, None] / flap_hz)) < SAME_FREQUENCY_SHARE
+    repeats = np.abs(np.log(flap_hz[:, None] / flap_hz)) < REPEAT_FREQUENCY_TOLERANCE_SHARE
     confirmed = (alike & repeats).sum(axis=1) > 1
     return np.where((np.abs(off) > LAG_TOLERANCE_RAD) & ~confirmed, off, 0.0)

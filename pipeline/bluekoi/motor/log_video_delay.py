@@ -19,18 +19,20 @@ from .shaft_angle import wrap_angle
 MAX_DELAY_S = 2.0
 """Largest delay tried, and the spacing of those tried."""
 DELAY_SEARCH_STEP_S = 0.002
-SAME_FREQUENCY_SHARE = 0.03
+REPEAT_FREQUENCY_TOLERANCE_SHARE = 0.03
 """Trials count as repeats whose frequencies differ by less than this share."""
 MAX_LAG_SCATTER_RAD = 0.5
 """Where lags of repeats scatter by more, half a radian, phases no longer determine a delay."""
 PHASE_LAG_STD_RAD = 0.05
 """ASSUME beyond a straight line over frequency, the lag of a tail varies by 3 degrees."""
-DELAY_STD_S = 0.03  # ASSUME the lag that a tail gains with frequency looks like at most this delay
+UNMODELLED_TAIL_LAG_STD_S = (
+    0.03  # ASSUME the lag that a tail gains with frequency looks like at most this delay
+)
 MIN_TRIALS = 6
 """Trials without which no delay is estimated."""
 MAX_P_VALUE = 1e-3
 """A fit whose misfit is less probable than this is refused."""
-CHI2_MARGIN = 12.0
+MIN_CHI2_GAIN_OVER_OTHER_DELAYS = 12.0
 """Any other delay must fit worse by this, in chi squared, but for what a hill is not a parabola."""
 CHI2_NON_PARABOLIC_TOLERANCE = 1.0
 
@@ -44,7 +46,7 @@ def log_lead_from_beat_phases(
     """
     if len(flap_hz) < MIN_TRIALS:
         return None
-    repeats = np.abs(np.log(flap_hz[:, None] / flap_hz)) < SAME_FREQUENCY_SHARE
+    repeats = np.abs(np.log(flap_hz[:, None] / flap_hz)) < REPEAT_FREQUENCY_TOLERANCE_SHARE
     scatter = _lag_std_of_repeats(lag_rad, repeats)
     if scatter > MAX_LAG_SCATTER_RAD:
         return None
@@ -60,13 +62,17 @@ def log_lead_from_beat_phases(
     std = float(1.0 / (2 * np.pi * np.sqrt(spread)))
     if std > MAX_DELAY_S:
         return None
-    elsewhere = np.abs(delays - delays[best]) > np.sqrt(CHI2_MARGIN) * std + DELAY_SEARCH_STEP_S
+    elsewhere = (
+        np.abs(delays - delays[best])
+        > np.sqrt(MIN_CHI2_GAIN_OVER_OTHER_DELAYS) * std + DELAY_SEARCH_STEP_S
+    )
     if (
         elsewhere.any()
-        and misfit[elsewhere].min() < misfit[best] + CHI2_MARGIN - CHI2_NON_PARABOLIC_TOLERANCE
+        and misfit[elsewhere].min()
+        < misfit[best] + MIN_CHI2_GAIN_OVER_OTHER_DELAYS - CHI2_NON_PARABOLIC_TOLERANCE
     ):
         return None
-    return float(delays[best]), float(np.hypot(std, DELAY_STD_S))
+    return float(delays[best]), float(np.hypot(std, UNMODELLED_TAIL_LAG_STD_S))
 
 
 def _lag_std_of_repeats(lag_rad: Float, repeats: np.ndarray) -> float:

@@ -34,14 +34,14 @@ def power_warnings(
     same = {power: {n: v for n, v in hz.items() if n not in unlogged}
             for power, hz in groups.items()}  # fmt: skip
     return [
-        *_fraction_warnings(powers),
+        *_power_as_fraction_warnings(powers),
         *_different_frequency_warnings(same),
         *unlogged.values(),
         *_falling_frequency_warnings(groups),
     ]
 
 
-def _fraction_warnings(powers: Mapping[str, float]) -> list[str]:
+def _power_as_fraction_warnings(powers: Mapping[str, float]) -> list[str]:
     """A sentence where no trial has more than one percent of the power."""
     if not powers or not 0 < max(powers.values()) <= 1:
         return []

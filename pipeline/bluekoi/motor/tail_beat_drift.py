@@ -37,7 +37,7 @@ REGRESSION_ROUNDS = 8
 """Gauss-Newton steps, each with new robust weights."""
 FALSE_ALARM_PROBABILITY = 1e-3
 """Probability that noise alone, searched over all frequencies and drifts, shows a beat."""
-NO_DRIFT = (float("nan"), float("nan"))
+UNKNOWN_DRIFT = (float("nan"), float("nan"))
 
 
 def tail_beat_drift(positions: Positions, beat_hz: float) -> tuple[float, float]:
@@ -49,16 +49,16 @@ def tail_beat_drift(positions: Positions, beat_hz: float) -> tuple[float, float]
     """
     time_s, signal = beat_signal(positions)
     if len(time_s) < MIN_DRIFT_FRAMES or not beat_hz > 0:
-        return NO_DRIFT
+        return UNKNOWN_DRIFT
     begin = spin_up_end_s(float(time_s[0]), float(time_s[-1]))
     used = (time_s > begin) & (time_s < begin + MAX_DRIFT_BEATS / beat_hz)
     t, signal = time_s[used], signal[used]
     t = t - 0.5 * (t[0] + t[-1]) if len(t) else t
     if len(t) < MIN_DRIFT_FRAMES or beat_hz * float(np.median(np.diff(t))) > 0.5:
-        return NO_DRIFT
+        return UNKNOWN_DRIFT
     background = slow_trend_basis(t, beat_hz)
     start, tried = _coarse_optimum(t, signal, background, beat_hz)
-    return _regression(t, signal, background, start, tried)
+    return _drift_regression(t, signal, background, start, tried)
 
 
 def _coarse_optimum(
@@ -90,7 +90,7 @@ def _coarse_optimum(
     return (float(hz[k]), float(drifts[j] * beat_hz / hz[k])), power.size
 
 
-def _regression(
+def _drift_regression(
     t: Float, signal: Float, background: Float, start: tuple[float, float], tried: int
 ) -> tuple[float, float]:
     """Drift (1/s) and its standard deviation by Gauss-Newton steps from a near start; NaN where the
@@ -115,7 +115,7 @@ def _regression(
     variance = _noise_variance(design, residual, weights)
     explained = 0.5 * float(weights.sum()) * float(value[0] ** 2 + value[1] ** 2)
     if explained < 2 * variance * np.log(tried / FALSE_ALARM_PROBABILITY):
-        return NO_DRIFT
+        return UNKNOWN_DRIFT
     cov = np.linalg.pinv((design * weights[:, None]).T @ design)
     return drift, float(np.sqrt(variance * cov[1, 1]))
 

@@ -17,7 +17,7 @@ from ..study import Study
 from .trial_comparison import (
     MIN_HEAD_ANGLE_DEVIATION_DEG,
     MIN_PART_ERROR_M,
-    signed_turn_deg,
+    wrap_angle_deg,
 )
 
 MIN_AGREEING_TRIALS = 2
@@ -53,17 +53,17 @@ class HeadAngleFinding(InputIssue):
 
 def merge_common_mistakes(study: Study, found: Sequence[InputIssue]) -> list[InputIssue]:
     """The findings, those of a mistake that most trials show alike replaced by one."""
-    return _with_one_angle_finding(study, _with_one_length_finding(study, found))
+    return _with_merged_angle_findings(study, _with_merged_length_findings(study, found))
 
 
 def seems_in_radians(seen_deg: float, stated_deg: float) -> bool:
     """Whether a stated head angle is the one seen if its number is in radians."""
     if stated_deg == 0 or abs(stated_deg) > MAX_STATED_HEAD_ANGLE_RAD:
         return False
-    return abs(signed_turn_deg(seen_deg - degrees(stated_deg))) <= MIN_HEAD_ANGLE_DEVIATION_DEG
+    return abs(wrap_angle_deg(seen_deg - degrees(stated_deg))) <= MIN_HEAD_ANGLE_DEVIATION_DEG
 
 
-def _with_one_angle_finding(study: Study, found: Sequence[InputIssue]) -> list[InputIssue]:
+def _with_merged_angle_findings(study: Study, found: Sequence[InputIssue]) -> list[InputIssue]:
     wrong = [one for one in found if isinstance(one, HeadAngleFinding)]
     stated = [abs(trial.head_angle_deg) for trial in study.trials]
     alike = all(seems_in_radians(one.seen_deg, one.stated_deg) for one in wrong)
@@ -79,9 +79,9 @@ def _with_one_angle_finding(study: Study, found: Sequence[InputIssue]) -> list[I
     return [one, *(other for other in found if not isinstance(other, HeadAngleFinding))]
 
 
-def _with_one_length_finding(study: Study, found: Sequence[InputIssue]) -> list[InputIssue]:
+def _with_merged_length_findings(study: Study, found: Sequence[InputIssue]) -> list[InputIssue]:
     wrong = [one for one in found if isinstance(one, LengthFinding)]
-    keys = {one.trial_id: _wrong_length(_errors_m(one)) for one in wrong}
+    keys = {one.trial_id: _length_that_explains_errors(_errors_m(one)) for one in wrong}
     key, times = Counter(keys.values()).most_common(1)[0] if keys else ("", 0)
     trials = sum(trial.reads_keypoints for trial in study.trials)
     if not key or times < MIN_AGREEING_TRIALS or 2 * times <= trials:
@@ -103,7 +103,7 @@ def _errors_m(one: LengthFinding) -> Float:
     return np.array(one.seen_m) - np.array(one.stated_m)
 
 
-def _wrong_length(errors_m: Float) -> str:
+def _length_that_explains_errors(errors_m: Float) -> str:
     """The length of study.yaml that alone explains the errors of head, hinge and tail: `hinge`
     (hinge_to_com_m), `body` (body_length_m or head_length_m); "" where neither does.
     """

@@ -22,11 +22,11 @@ from .fit import (
     usable_frames,
 )
 
-MAX_RUNS_NAMED = 5
+MAX_LISTED_EXCHANGED_PARTS = 5
 """Parts of a recording that a warning lists."""
 
 
-def exchange_back(
+def undo_head_tail_exchanges(
     positions: Positions, robot: Robot, head_length_m: float
 ) -> tuple[Positions, list[list[float]]]:
     """Positions with the parts in their order from head to tail, and the times, s, of first and
@@ -57,14 +57,20 @@ def exchange_back(
 def exchanged_frames_warnings(
     trials: Mapping[str, Trial], statuses: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[str]:
-    """A sentence for each trial with exchanged frames, by what `exchange_back` found in it."""
+    """A sentence for each trial with exchanged frames, as `undo_head_tail_exchanges` found them."""
     for name, status in statuses.items():
         times = status.get("exchanged_frames") or []
         if not times or name not in trials:
             continue
         trial = trials[name]
-        shown = ", ".join(_run_text(first, last, trial) for first, last in times[:MAX_RUNS_NAMED])
-        more = f" and {len(times) - MAX_RUNS_NAMED} more" if times[MAX_RUNS_NAMED:] else ""
+        shown = ", ".join(
+            _run_text(first, last, trial) for first, last in times[:MAX_LISTED_EXCHANGED_PARTS]
+        )
+        more = (
+            f" and {len(times) - MAX_LISTED_EXCHANGED_PARTS} more"
+            if times[MAX_LISTED_EXCHANGED_PARTS:]
+            else ""
+        )
         remedy = " Correct these frames in the file." if trial.reads_keypoints else ""
         yield (
             f"Trial {name}: {trial.source}, {shown}{more}: the keypoints of head and tail are "

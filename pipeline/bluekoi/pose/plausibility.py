@@ -21,8 +21,8 @@ from .common_mistakes import HeadAngleFinding, LengthFinding, seems_in_radians
 from .trial_comparison import (
     LENGTH_ENDPOINTS_AND_KEYS,
     mean_head_angle_deg,
-    signed_turn_deg,
     stated_lengths,
+    wrap_angle_deg,
 )
 
 MAX_LENGTH_ERROR_SHARE, MAX_LENGTH_ERROR_M = 0.25, 0.02
@@ -150,7 +150,7 @@ def _part_order_findings(source: str, place: str, positions: Positions) -> list[
 
 def _head_angle_findings(table: str, place: str, trial: Trial, pose: Pose) -> list[InputIssue]:
     seen = mean_head_angle_deg(pose)
-    if not abs(signed_turn_deg(seen - trial.head_angle_deg)) > MAX_HEAD_ANGLE_ERROR_DEG:
+    if not abs(wrap_angle_deg(seen - trial.head_angle_deg)) > MAX_HEAD_ANGLE_ERROR_DEG:
         return []
     found = f"a head angle of {seen:.0f} degrees in the second half of the recording"
     stated = trial.head_angle_deg
@@ -173,7 +173,7 @@ def _head_angle_remedy(seen_deg: float, stated_deg: float) -> str:
     if seems_in_radians(seen_deg, stated_deg):
         return "Is it in radians? Write degrees."
     convention = "head_angle_deg is positive where the head points to the robot's right."
-    if abs(signed_turn_deg(seen_deg + stated_deg)) > MAX_HEAD_ANGLE_ERROR_DEG / 2:
+    if abs(wrap_angle_deg(seen_deg + stated_deg)) > MAX_HEAD_ANGLE_ERROR_DEG / 2:
         return f"{convention} Is it another trial's row?"
     return (
         f"The sign is the other one: write head_angle_deg {-stated_deg:g} if the head "

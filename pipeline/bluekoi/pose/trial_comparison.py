@@ -128,7 +128,7 @@ def compare_head_angles(
     """Head angles in the recordings beside those of trials.csv. statuses: by trial id."""
     angles = {n: a for n, r in _body_measurements(trials, statuses).items()
               if (a := r.get("head_angle_deg")) is not None}  # fmt: skip
-    off = {n: signed_turn_deg(a - trials[n].head_angle_deg) for n, a in angles.items()}
+    off = {n: wrap_angle_deg(a - trials[n].head_angle_deg) for n, a in angles.items()}
     stated = np.array([trials[n].head_angle_deg for n in off])
     residuals = _without_common_gain(np.array(list(off.values())), stated)
     odd = deviations_from_majority(residuals, np.zeros(len(off)), MIN_HEAD_ANGLE_DEVIATION_DEG)
@@ -173,10 +173,10 @@ def _head_angle_warnings(
 
 
 def _head_angle_agrees(angle_deg: float, trial: Trial) -> bool:
-    return abs(signed_turn_deg(angle_deg - trial.head_angle_deg)) <= MIN_HEAD_ANGLE_DEVIATION_DEG
+    return abs(wrap_angle_deg(angle_deg - trial.head_angle_deg)) <= MIN_HEAD_ANGLE_DEVIATION_DEG
 
 
-def signed_turn_deg(angle_deg: float) -> float:
+def wrap_angle_deg(angle_deg: float) -> float:
     """An angle as a turn from -180 to 180 degrees."""
     return (angle_deg + 180) % 360 - 180
 

@@ -21,7 +21,7 @@ from ruamel.yaml.error import YAMLError
 from ..errors import input_error, unreadable_reason
 from ..files import atomic_write, read_text
 from ..study.key_reference import setting_keys
-from .prefill import blank_study_yaml, study_files, trial_rows, trials_csv
+from .prefill import blank_study_yaml, prefilled_trial_rows, study_files, trials_csv
 
 STUDY_FILES = ("study.yaml", "trials.csv")
 """Files of a study, in the order of their texts."""
@@ -57,7 +57,7 @@ def read_draft(folder: Path) -> Draft:
     content = _yaml_document(folder, texts[0])
     header, rows = _trials_table(folder, texts[1])
     if texts[1] is None:
-        rows = trial_rows(study_files(folder))
+        rows = prefilled_trial_rows(study_files(folder))
     return Draft(_flattened_values(content), rows, header, _revision_hash(texts))
 
 

@@ -27,7 +27,7 @@ class FileProperties:
 
 
 def file_properties(folder: Path, rows: Sequence[Mapping[str, str]]) -> list[FileProperties]:
-    """Properties of each row of `prefill.trial_rows`, paths relative to `folder`."""
+    """Properties of each row of `prefill.prefilled_trial_rows`, paths relative to `folder`."""
     return [_properties_of_row(folder, row) for row in rows]
 
 

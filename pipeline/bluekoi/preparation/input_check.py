@@ -23,15 +23,15 @@ from ..motor.motor_log import motor_log_coverage
 from ..motor.swimming_plausibility import tail_length_seen
 from ..pose.body import RIGID_PARTS
 from ..pose.common_mistakes import merge_common_mistakes
-from ..pose.exchanged_frames import exchange_back
+from ..pose.exchanged_frames import undo_head_tail_exchanges
 from ..pose.fit import usable_frames
 from ..pose.plausibility import checked_rigid_pose
 from ..pose.trial_comparison import status_of_body_measurements
 from ..study import Study, StudySettings, Trial
 from ..study.frame_count import check_frame_count
-from ..study.recording_pixels import setup_in_film_pixels
+from ..study.recording_pixels import setup_in_recording_pixels
 
-FREQUENCY_TOLERANCE = 0.05
+STATED_FREQUENCY_TOLERANCE_SHARE = 0.05
 """Relative difference of `flap_hz` and the frequency of the motor log above which they
 contradict each other.
 """
@@ -126,7 +126,7 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
         _check_usable_frames(path, found)
         camera, depth = pool_camera(study.setup), study.setup.robot.keypoint_depth_m
-        positions, exchanged = exchange_back(
+        positions, exchanged = undo_head_tail_exchanges(
             map_keypoints(camera, found, depth), study.setup.robot, trial.head_length_m
         )
         pose = checked_rigid_pose(study, trial, positions)
@@ -137,7 +137,9 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         film = open_recording(
             study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
         )
-        setup_in_film_pixels(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
+        setup_in_recording_pixels(
+            study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})"
+        )
         end_s = trial.end_s or film.duration_s
         check_frame_count(study, trial, film.frames_in_part, film.fps or film.nominal_fps)
     if (log := study.motor_path(trial)) is not None:
@@ -160,7 +162,10 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
 
 
 def _check_stated_frequency(study: Study, trial: Trial, log_hz: float) -> None:
-    if trial.flap_hz is not None and abs(trial.flap_hz / log_hz - 1) > FREQUENCY_TOLERANCE:
+    if (
+        trial.flap_hz is not None
+        and abs(trial.flap_hz / log_hz - 1) > STATED_FREQUENCY_TOLERANCE_SHARE
+    ):
         raise input_error(
             study.root / "trials.csv", f"trial {trial.trial_id}, flap_hz", f"{trial.flap_hz:g}",
             f"{log_hz:.3g} Hz, as {trial.motor_log} has it",

@@ -12,7 +12,7 @@ import numpy as np
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from ..camera.lens_calibration import calibrate_files, calibration_from_profile, camera_section
+from ..camera.lens_calibration import calibrate_files, calibration_from_lens_profile, camera_section
 from ..camera.pool_corner_check import compare_corners, edge_points_px, projected_pool_grid_px
 from ..errors import InputError, InputIssue, input_error, unreadable_reason
 from ..files import read_text, to_json_types
@@ -25,10 +25,10 @@ from ..study.validation_messages import findings_from_validation_error
 from .draft import Draft, read_draft
 from .draft_check import draft_findings
 from .frame_images import Luma, frame_at_share, points_as_json
-from .prefill import study_files, trial_rows
+from .prefill import prefilled_trial_rows, study_files
 from .robot_outline import robot_outline
 
-SECTION_MODELS: dict[str, type[BaseModel]] = {
+SETTINGS_CLASS_BY_SECTION: dict[str, type[BaseModel]] = {
     "pool": Pool,
     "water": Water,
     "robot": Robot,
@@ -140,7 +140,7 @@ def lens_calibration(folder: Path, files: str, pattern: str, square_mm: float) -
     if len(paths) == 1 and paths[0].suffix.lower() in (".yaml", ".yml"):
         return {"values": _camera_keys(_camera_content(paths[0])), "remarks": [f"from {files}"]}
     if len(paths) == 1 and paths[0].suffix.lower() == ".json":
-        found, out = calibration_from_profile(paths[0]), None
+        found, out = calibration_from_lens_profile(paths[0]), None
     else:
         names = ("camera.yaml", *(f"camera-{k}.yaml" for k in range(2, 1000)))
         out = next(folder / name for name in names if not (folder / name).exists())
@@ -172,7 +172,7 @@ def _validated_section(name: str, values: Mapping[str, str]) -> Any:
     ]
     if missing:
         raise InputError(missing)
-    model = SECTION_MODELS[name]
+    model = SETTINGS_CLASS_BY_SECTION[name]
     try:
         return model.model_validate(given)
     except ValidationError as error:
@@ -219,7 +219,7 @@ def _recording_properties(folder: Path, row: Mapping[str, str]) -> dict[str, Any
 def _rows_of_unlisted_files(draft: Draft, folder: Path) -> list[dict[str, str]]:
     """Pre-filled rows of trials.csv for files of the folder that no row of the draft names."""
     named = {part.strip() for row in draft.rows for part in row.get("source", "").split(";")}
-    return [row for row in trial_rows(study_files(folder))
+    return [row for row in prefilled_trial_rows(study_files(folder))
             if not set(row["source"].split(";")) & named]  # fmt: skip
 
 
@@ -232,7 +232,7 @@ def _camera_files(folder: Path) -> list[str]:
             continue
         if path.suffix.lower() == ".json":
             try:
-                calibration_from_profile(path)
+                calibration_from_lens_profile(path)
             except InputError:
                 continue
         elif "camera:" not in path.read_text("utf-8", "replace"):

@@ -79,7 +79,9 @@ def study_files(folder: Path) -> StudyFiles:
     return StudyFiles(*found)
 
 
-def trial_rows(files: StudyFiles, head_length_m: float | None = None) -> list[dict[str, str]]:
+def prefilled_trial_rows(
+    files: StudyFiles, head_length_m: float | None = None
+) -> list[dict[str, str]]:
     """A row of trials.csv for each recording, else for each keypoint file: column to text.
 
     Power and head angle are taken from names such as `p50_phi-20`, `50pct`; the motor log is the

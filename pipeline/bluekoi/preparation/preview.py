@@ -14,7 +14,7 @@ from ..errors import input_error
 from ..footage import frames, open_recording
 from ..keypoints import source_module
 from ..study import Study, Trial
-from ..study.recording_pixels import setup_in_film_pixels
+from ..study.recording_pixels import setup_in_recording_pixels
 
 PREVIEWED_FRAMES = 20
 MIN_CONFIDENT_FRAMES_SHARE = 0.5
@@ -86,7 +86,7 @@ def preview_trial(study: Study, trial_id: str) -> Preview:
     if not some:
         raise input_error(trial.source, "", "no frames", "footage with frames")
     height, width = some[0].luma.shape
-    setup = setup_in_film_pixels(study.setup, (width, height), trial.source)
+    setup = setup_in_recording_pixels(study.setup, (width, height), trial.source)
 
     def detect(trial: Trial) -> Keypoints:
         return detector.detect_keypoints(lambda: some, setup, trial)

@@ -20,8 +20,8 @@ from ..explain.text import (
     coefficient_rows,
     error_rows,
     error_table,
-    measure_table,
     probability_rows,
+    table_of_measures,
 )
 from ..figures.drawing.style import AFTER_COLOUR, BEFORE_COLOUR, MEASURED_COLOUR, RC_PARAMS
 from ..files import write_text
@@ -67,7 +67,7 @@ def _prediction_html(
     if predicted is None:
         return None
     return {"messages": predicted.messages, "errors": error_table(found.model, predicted),
-            "measures": measure_table(predicted)}  # fmt: skip
+            "measures": table_of_measures(predicted)}  # fmt: skip
 
 
 def trials_figure(found: CauseSearchResult) -> Figure:

@@ -74,12 +74,12 @@ def verdict(campaign: Campaign) -> dict[str, str]:
     causes = [(str(c.get("kind", kind)), readable_name(str(c["name"])))
               for c in found.get("causes") or []]  # fmt: skip
     if kind in ("physics", "measurement") and causes:
-        heading = named_heading(kind, causes)
+        heading = named_causes_section_title(kind, causes)
     sentence = with_readable_names(str(found.get("sentence") or heading), _known_causes())
     return {"kind": kind, "heading": heading, "sentence": sentence}
 
 
-def named_heading(kind: str, causes: Sequence[tuple[str, str]]) -> str:
+def named_causes_section_title(kind: str, causes: Sequence[tuple[str, str]]) -> str:
     """Heading with the causes, (kind, name) each, below the words for their kind; the verdict's
     kind stands first.
     """

@@ -10,7 +10,7 @@ from ..figures.drawing.style import BASELINE_NAME, EXTENDED_NAME
 from .findings import Row
 from .numbers import format_number
 
-ERROR_ROWS = (
+ERROR_ROW_DEFINITIONS = (
     ("path, rms (mm)", "path_rmse_m", 1000.0),
     ("turn radius (%)", "radius_error_pct", 1.0),
     ("steady speed (%)", "speed_error_pct", 1.0),
@@ -34,7 +34,7 @@ def error_rows(campaign: Campaign) -> list[Row]:
     if not (campaign.mismatch or {}).get("held_out"):
         return []
     rows = []
-    for label, key, factor in ERROR_ROWS:
+    for label, key, factor in ERROR_ROW_DEFINITIONS:
         errors = [campaign.held_out_error(model, key) for model in campaign.held_out_models]
         floor = _noise_floor_text(campaign) if key == "path_rmse_m" else ""
         rows.append(Row(label, (*(_scaled_text(error, factor) for error in errors), floor)))
@@ -46,7 +46,7 @@ def _noise_floor_text(campaign: Campaign) -> str:
     return "–" if floor is None else format_number(1000 * floor)
 
 
-def table_text(campaign: Campaign) -> dict[str, str]:
+def held_out_table_text(campaign: Campaign) -> dict[str, str]:
     """Heading, caption and sentences for the table, by which trials were evaluated."""
     names = ", ".join(evaluated_trials(campaign))
     found = (campaign.mismatch or {}).get("held_out") or {}

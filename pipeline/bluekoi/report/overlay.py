@@ -132,7 +132,10 @@ def path_lines(
     measured = projected(track.x_m, track.y_m)
     lines = [OverlayPath("measured path", track.time_s, measured, MEASURED_BGR, width_px=6)]
     before = "model before" if "extended_x_m" in columns else "model"
-    names = {"extended": ("model after", AFTER_BGR, False), "joint": (before, BEFORE_BGR, True)}
+    names = {
+        "extended": ("model after", AFTER_BGR, False),
+        "joint": (before, BEFORE_BGR, True),
+    }
     for prefix, (name, colour, dashed) in names.items():
         if f"{prefix}_x_m" in columns:
             path_px = projected(columns[f"{prefix}_x_m"], columns[f"{prefix}_y_m"])

@@ -72,7 +72,7 @@ def empty_pool(camera: PoolCamera, width_px: int) -> BgrImage:
     rim = _pool_rim(length, width)
     cv2.fillPoly(
         canvas,
-        [_fixed_point(scale * pool_to_pixels(camera, rim))],
+        [_to_fixed_point_pixels(scale * pool_to_pixels(camera, rim))],
         (190, 172, 140),
         shift=FRACTIONAL_BITS,
     )
@@ -92,7 +92,7 @@ def _draw_line(canvas: BgrImage, line: OverlayPath, time_s: float, scale: float)
         _polyline(canvas, piece, STRIP_BGR, line.width_px + 2)
     for piece in pieces:
         _polyline(canvas, piece, line.colour, line.width_px)
-    end = _fixed_point(path[-1])
+    end = _to_fixed_point_pixels(path[-1])
     cv2.circle(canvas, end, 5 << FRACTIONAL_BITS, STRIP_BGR, -1, cv2.LINE_AA, FRACTIONAL_BITS)
     cv2.circle(canvas, end, 3 << FRACTIONAL_BITS, line.colour, -1, cv2.LINE_AA, FRACTIONAL_BITS)
 
@@ -105,14 +105,22 @@ def _draw_points(canvas: BgrImage, found: Keypoints, time_s: float, scale: float
     for point in scale * found.xy_px[i][sure]:
         cv2.circle(
             canvas,
-            _fixed_point(point),
+            _to_fixed_point_pixels(point),
             4 << FRACTIONAL_BITS,
             STRIP_BGR,
             -1,
             cv2.LINE_AA,
             FRACTIONAL_BITS,
         )
-        cv2.circle(canvas, _fixed_point(point), 40, KEYPOINT_BGR, -1, cv2.LINE_AA, FRACTIONAL_BITS)
+        cv2.circle(
+            canvas,
+            _to_fixed_point_pixels(point),
+            40,
+            KEYPOINT_BGR,
+            -1,
+            cv2.LINE_AA,
+            FRACTIONAL_BITS,
+        )
 
 
 def _dashes(path: Float, length_px: float = 9.0) -> list[Float]:
@@ -130,10 +138,12 @@ def _dashes(path: Float, length_px: float = 9.0) -> list[Float]:
 
 
 def _polyline(canvas: BgrImage, path: Float, colour: Colour, width: int) -> None:
-    cv2.polylines(canvas, [_fixed_point(path)], False, colour, width, cv2.LINE_AA, FRACTIONAL_BITS)
+    cv2.polylines(
+        canvas, [_to_fixed_point_pixels(path)], False, colour, width, cv2.LINE_AA, FRACTIONAL_BITS
+    )
 
 
-def _fixed_point(points: Float) -> npt.NDArray[np.int32]:
+def _to_fixed_point_pixels(points: Float) -> npt.NDArray[np.int32]:
     """Pixels in OpenCV's fixed-point format, clipped to its integer range."""
     return np.round(np.clip(points, -1e5, 1e5) * (1 << FRACTIONAL_BITS)).astype(np.int32)
 

@@ -53,7 +53,7 @@ def report_html(
         rivals=findings.rival_cause_texts(campaign),
         next_trial=findings.next_trial_sentence(campaign),
         held_out=held_out_errors.error_rows(campaign),
-        held_out_text=held_out_errors.table_text(campaign),
+        held_out_text=held_out_errors.held_out_table_text(campaign),
         held_out_columns=held_out_errors.column_headings(campaign),
         with_additions=campaign.has_additions,
         shifts=tables.coefficient_changes(campaign),

@@ -19,7 +19,7 @@ from .nominal_motion import rough_speed
 from .screening import screen_measurements
 from .speed import speed_and_std
 from .state_space_fit import (
-    MIN_LOG_LIK_GAIN_START,
+    MIN_LR_STATISTIC_MOVING_START,
     KnownMotion,
     cost_with_moving_start,
     fit_angle,
@@ -51,7 +51,7 @@ def smooth_with_noise_ratio(pose: Pose, flap_hz: float) -> tuple[Track, tuple[fl
     beats = float(flap_hz) * float(np.ptp(pose.time_s))
     hz = float(flap_hz) if np.isfinite(beats) and beats > 1 else 0.0
     grid = filter_grid(pose.time_s, hz)
-    values, cov = grid.on_nodes(pose.values), grid.on_nodes(pose.cov)
+    values, cov = grid.frame_values_on_nodes(pose.values), grid.frame_values_on_nodes(pose.cov)
     heading, plane = _fitted_models(values, cov, grid, hz)
     turn, move = _smooth_with_calibrated_gaps(heading, 1), _smooth_with_calibrated_gaps(plane, 2)
     theta = turn.x[:, 0]
@@ -109,13 +109,13 @@ def _fitted_models(
         return heading, fit_position(values[:, :2], cov[:, :2, :2], grid, known=known, **other)
 
     rest = fit(True, (None, None), (False, False))
-    if cost_with_moving_start(rest[1]) - rest[1].cost > MIN_LOG_LIK_GAIN_START:
+    if cost_with_moving_start(rest[1]) - rest[1].cost > MIN_LR_STATISTIC_MOVING_START:
         return rest
     moving = fit(False, rest, [any(one.coloured for one in rest)] * 2)
     if any(m.coloured and not r.coloured for m, r in zip(moving, rest, strict=True)):
         rest = fit(True, rest, [one.coloured for one in moving])
     gain = sum(one.cost for one in rest) - sum(one.cost for one in moving)
-    return moving if gain > MIN_LOG_LIK_GAIN_START else rest
+    return moving if gain > MIN_LR_STATISTIC_MOVING_START else rest
 
 
 def _smooth_head_angle(

@@ -26,7 +26,7 @@ GAP_MARGIN_NODES, MIN_MEASURED_SHARE = 3, 0.8
 measured."""
 PRIOR_GAP_COUNT = 0.25
 """Weight of the model's own variance, as a number of artificial gaps with a factor of 1."""
-DECAY_GAP_LENGTHS = 3.0
+WEIGHT_DECAY_IN_GAP_LENGTHS = 3.0
 """Weight of an artificial gap: exp(-distance from the gap / (this many gap lengths))."""
 
 
@@ -86,7 +86,7 @@ def _variance_factor(
             count = (
                 step
                 / length
-                * np.exp(-abs(k + 0.5 * length - middle) / (DECAY_GAP_LENGTHS * length))
+                * np.exp(-abs(k + 0.5 * length - middle) / (WEIGHT_DECAY_IN_GAP_LENGTHS * length))
             )
             total += count * moved[at].sum() / max(stated[at].sum(), 1e-300)
             weight += count

@@ -25,7 +25,7 @@ class FilterTimeGrid:
     frame: BoolNDArray
     scale_s: float
 
-    def on_nodes(self, values: Float) -> Float:
+    def frame_values_on_nodes(self, values: Float) -> Float:
         """Values of the frames (frames, ...) spread over the nodes, NaN between."""
         out = np.full((len(self.time_s), *values.shape[1:]), np.nan)
         out[self.frame] = values

@@ -122,7 +122,7 @@ def _fill_recoil_blocks(F, Q, dt, hz, variance, onset, at):  # type: ignore[no-u
     Q[at, at] = Q[at + 1, at + 1] = variance * (1 - keep**2)
 
 
-def planar_measurement(theta: Float, hz: float) -> Float:
+def planar_observation_matrix(theta: Float, hz: float) -> Float:
     """H (n, 2, d): measured x, y = mean position + recoil turned into the pool frame."""
     H = np.zeros((len(theta), 2, 10 if hz > 0 else 6))
     H[:, 0, 0] = H[:, 1, 1] = 1.0

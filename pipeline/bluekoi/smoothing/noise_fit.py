@@ -35,7 +35,7 @@ class FittedMotionModel:
     coloured: bool = False
 
     @property
-    def white_logs(self) -> Float:
+    def white_noise_logs(self) -> Float:
         """`logs` without those of coloured noise."""
         return np.concatenate([self.logs[:-3], self.logs[-1:]]) if self.coloured else self.logs
 

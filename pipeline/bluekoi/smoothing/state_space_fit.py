@@ -14,7 +14,7 @@ from .coloured_noise import with_coloured_noise
 from .grid import FilterTimeGrid
 from .kalman_numba import minus_two_log_likelihood
 from .linear_gaussian import LinearGaussianModel
-from .motion import heading_matrices, planar_matrices, planar_measurement
+from .motion import heading_matrices, planar_matrices, planar_observation_matrix
 from .noise_fit import FittedMotionModel, fit_process_noise, outlier_gate
 from .nominal_motion import nominal_motion
 from .screening import ScreenedMeasurements, screen_measurements
@@ -33,7 +33,7 @@ MAX_RELATIVE_DENSITIES = 0.3, 7.0
 """Largest density of the rate, in speed^2 / T, and of the acceleration, in (speed / T)^2 / T."""
 MAX_LOG_NOISE_RATIO_COLOURED = -0.4
 """Below this log of white over stated noise, part of the error may be coloured."""
-MIN_LIKELIHOOD_RATIO_COLOURED = 10.0
+MIN_LR_STATISTIC_COLOURED_NOISE = 10.0
 """Gain in twice the log likelihood that coloured noise must bring."""
 CORRELATION_TIME_UNIT_FRAMES, PRIOR_LOG_COLOURED_STDS = 3.0, (2.0, 1.0)
 """Unit of the correlation time, in frames; prior deviations of log variance and log time."""
@@ -41,10 +41,10 @@ RELATIVE_START_STDS_RESTING, RELATIVE_START_STDS_MOVING = (0.01, 3.0), (3.0, 0.0
 """Prior standard deviations of the initial rate of change, over the trial's usual one
 (`ScreenedMeasurements.speed`), and of the initial acceleration, over usual rate / T: for a start
 from rest, and for one in motion."""
-RESTING_RECOIL_SHARE = 1e-4
+RESTING_RECOIL_VARIANCE_SHARE = 1e-4
 """Prior variance of the recoil of a body at rest, over that of the recoil in motion. Where the
 first frames show a recoil of full size (the tail beats while the body is held), it is 1."""
-MIN_LOG_LIK_GAIN_START = 12.0
+MIN_LR_STATISTIC_MOVING_START = 12.0
 """Gain in twice the log likelihood that decides between a start from rest and one in motion, of
 body or tail; in doubt they start from rest, as in most trials."""
 
@@ -124,7 +124,7 @@ def fit_position(
     nominal = nominal_motion(data, known.speed, known.heading_noise, resting=resting)
 
     return _fit_motion_model(
-        data, grid, planar_measurement(known.theta, flap_hz),
+        data, grid, planar_observation_matrix(known.theta, flap_hz),
         lambda noise: planar_matrices(noise, grid.dt_s, flap_hz, nominal, known.theta),
         resting=resting, coloured=coloured, near=near,
     )  # fmt: skip
@@ -165,7 +165,7 @@ def _fit_motion_model(
     recoils = (H.shape[2] - 3 * m) // 2
     units = _noise_units(data, grid, recoils)
     x0, widths = _initial_state_prior(data, grid.scale_s, recoils, resting)
-    share = RESTING_RECOIL_SHARE if resting else 1.0
+    share = RESTING_RECOIL_VARIANCE_SHARE if resting else 1.0
 
     def build(logs: Float, recoil_share: float = share) -> LinearGaussianModel:
         noise = units * np.exp(logs[:-1])
@@ -191,13 +191,14 @@ def _fit_motion_model(
     found = fit_process_noise(
         build,
         data.seen,
-        starts=starts if near is None else [near.white_logs, *starts],
+        starts=starts if near is None else [near.white_noise_logs, *starts],
         more_starts=_starting_log_noise(m, recoils, np.maximum(largest, LOG_START_NOISE)),
         **common,
     )
     beating = np.arange(3 * m, 3 * m + 2 * recoils)
     if share < 1.0 and (
-        _cost_with_start_variance(found, beating, 1.0 / share) < found.cost - MIN_LOG_LIK_GAIN_START
+        _cost_with_start_variance(found, beating, 1.0 / share)
+        < found.cost - MIN_LR_STATISTIC_MOVING_START
     ):
         build = partial(build, recoil_share=1.0)
         found = fit_process_noise(build, data.seen, starts=[found.logs, *starts], **common)
@@ -232,7 +233,7 @@ def _with_coloured_noise_if_better(
         spread=np.concatenate([spread[:-1], PRIOR_LOG_COLOURED_STDS, spread[-1:]]),
         starts=[np.concatenate([s[:-1], [0.0, 0.0, -1.0]]) for s in (quiet, found.logs)],
     )
-    if other.cost > found.cost - MIN_LIKELIHOOD_RATIO_COLOURED:
+    if other.cost > found.cost - MIN_LR_STATISTIC_COLOURED_NOISE:
         return found
     ratio = other.noise_ratio + float(np.exp(other.logs[-3]))
     return replace(other, noise_ratio=ratio, coloured=True)

@@ -26,7 +26,7 @@ from ..motor import common_clock_ratio, flapping_compared_with_video
 from ..motor.clock_comparison import MAX_CLOCK_ERROR_SHARE
 from ..study import Study
 
-CLOCK_STD_SHARE = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
+MIN_CLOCK_RATIO_STD_SHARE = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def _common_factor(
     known = [f for n in names if (f := flapping[n]).source != "video"]
     common = common_clock_ratio([f for f in known if f.source == "motor_log"] or known)
     return (
-        ClockFactor(common[0], float(np.hypot(common[1], CLOCK_STD_SHARE * common[0])))
+        ClockFactor(common[0], float(np.hypot(common[1], MIN_CLOCK_RATIO_STD_SHARE * common[0])))
         if common
         else None
     )

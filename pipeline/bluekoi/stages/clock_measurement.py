@@ -16,9 +16,9 @@ import numpy as np
 
 from ..data import FlappingFrequency, Float
 from ..fitting import TrialSeries
-from ..mismatch.robot_problem import PRIORS
+from ..mismatch.robot_problem import PRIOR_INCLUSION_PROBABILITIES
 from ..mismatch.wrong_clock import with_clock_error_in_trials
-from .clock_factor import CLOCK_STD_SHARE
+from .clock_factor import MIN_CLOCK_RATIO_STD_SHARE
 
 STATED_FREQUENCY_STD_SHARE = (
     0.01  # ASSUME a `flap_hz` that several trials share, so not measured in each, is right to 1 %
@@ -54,13 +54,13 @@ def with_clock_measurement(
     own: Float = np.nan_to_num(np.array([b.video_hz_std / b.flap_hz for b in found]))
     stated = _are_frequencies_shared_by_trials(found)
     groups = [s.group for s in seen]
-    floor = np.hypot(own, CLOCK_STD_SHARE)
+    floor = np.hypot(own, MIN_CLOCK_RATIO_STD_SHARE)
     wrong = None if stated else trials_with_deviating_clock(ratio, floor, groups)
     if wrong is not None:
-        return _with_clock_of_part(series, [s.name for s in seen], ratio, own, wrong)
+        return _with_clock_error_of_some_trials(series, [s.name for s in seen], ratio, own, wrong)
     within, between = within_between_group_variances(ratio, own**2, groups)
     shared = between + _drift_variance(seen, found) + stated * STATED_FREQUENCY_STD_SHARE**2
-    std = np.sqrt(CLOCK_STD_SHARE**2 + own**2 + within + len(ratio) * shared)
+    std = np.sqrt(MIN_CLOCK_RATIO_STD_SHARE**2 + own**2 + within + len(ratio) * shared)
     evidence = {s.name: (float(r), float(d)) for s, r, d in zip(seen, ratio, std, strict=True)}
     name = "stated_ratio" if stated else "clock_ratio"
     return [
@@ -79,7 +79,7 @@ def trials_with_deviating_clock(
     The trials are split between two of their sorted ratios, where the variance about the two means
     is smallest. With S_1 and S_2, the sums of squares without and with the split, the odds are
 
-        PRIORS.cause / n (S_1 / S_2 (1 - 2 / pi))^(n / 2)
+        PRIOR_INCLUSION_PROBABILITIES.cause / n (S_1 / S_2 (1 - 2 / pi))^(n / 2)
 
     since the best split of normally distributed ratios leaves 1 - 2 / pi of their variance, and
     there are n places to split. The part whose mean is farther from 1 is the wrong one.
@@ -95,7 +95,7 @@ def trials_with_deviating_clock(
     splits = [[order[:k], order[k:]] for k in range(1, n)]
     best = min(splits, key=squares)
     shrinkage = squares([order]) / squares(best) * (1.0 - 2.0 / np.pi)
-    if PRIORS.cause / n * shrinkage ** (n / 2) < 1.0:
+    if PRIOR_INCLUSION_PROBABILITIES.cause / n * shrinkage ** (n / 2) < 1.0:
         return None
     wrong = np.zeros(n, dtype=bool)
     wrong[max(best, key=lambda part: abs(ratio[part].mean()))] = True
@@ -104,14 +104,14 @@ def trials_with_deviating_clock(
     return wrong if apart & together else None
 
 
-def _with_clock_of_part(
+def _with_clock_error_of_some_trials(
     series: Sequence[TrialSeries], seen: Sequence[str], ratio: Float, own: Float, wrong: np.ndarray
 ) -> list[TrialSeries]:
     """Series of which those that stand apart have the error of the clock, and their ratios as
     evidence on it.
     """
     scatter = float(np.var(ratio[wrong], ddof=1)) if wrong.sum() > 1 else 0.0
-    std = np.sqrt(CLOCK_STD_SHARE**2 + np.maximum(own**2, scatter))
+    std = np.sqrt(MIN_CLOCK_RATIO_STD_SHARE**2 + np.maximum(own**2, scatter))
     known = {name: (float(r), float(d))
              for name, r, d, bad in zip(seen, ratio, std, wrong, strict=True) if bad}  # fmt: skip
     measured = [

@@ -25,15 +25,15 @@ def precompile_smoother() -> None:
 
 def precompile_model() -> None:
     """Filter and simulate three frames with the kernel of the model without effects."""
-    _use_kernel(0.0)
+    _filter_and_simulate_three_frames(0.0)
 
 
 def precompile_model_with_effects() -> None:
     """Filter and simulate three frames with the kernel of the model with effects."""
-    _use_kernel(1e-9)
+    _filter_and_simulate_three_frames(1e-9)
 
 
-def _use_kernel(strength: float) -> None:
+def _filter_and_simulate_three_frames(strength: float) -> None:
     kernel = compile_system(two_plate_system())
     system = kernel.system
     values = np.array([p.start for p in system.parameters])

@@ -15,7 +15,7 @@ def figure(study: Path, results: Path, figure: str) -> None:
     figures = import_module("bluekoi.figures")
     target = results / "figures" / f"{figure}.png"
     campaign = load_campaign(results, load_study(study))
-    figures.draw_file(figure, campaign, target, target.with_suffix(".pdf"))
+    figures.write_figure_files(figure, campaign, target, target.with_suffix(".pdf"))
 
 
 def preload() -> None:

@@ -72,17 +72,17 @@ def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: ResultPaths
         return _unchecked_geometry_json("no trial with keypoints")
     camera = _trial_camera(study, trials[0], layout)
     lengths = [trial.head_length_m for trial in trials]
-    placed = _placed_lengths(camera, trials, layout, depth)
+    placed = _mapped_keypoint_positions(camera, trials, layout, depth)
     estimate, std = (depth, 0.0) if camera.lens is None else estimate_depth(
         camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
     )  # fmt: skip
     if (used := select_keypoint_depth_m(setup, estimate, std)) != depth:
-        depth, placed = used, _placed_lengths(camera, trials, layout, used)
+        depth, placed = used, _mapped_keypoint_positions(camera, trials, layout, used)
     check = check_camera_geometry(
         camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
     )
     return {
-        **_evidence_json(check, trials),
+        **_geometry_check_json(check, trials),
         "measured": "rigid parts",
         "depth_m": depth,
         "depth_estimate_m": estimate if std else None,
@@ -101,7 +101,7 @@ def _check_by_whole_lengths(
         return _unchecked_geometry_json(LENGTHS_NOT_MEASURED)
     camera = _trial_camera(study, trials[0], layout)
     distances = whole_lengths(
-        _placed_lengths(camera, trials, layout, depth),
+        _mapped_keypoint_positions(camera, trials, layout, depth),
         [np.array(pairs, dtype=np.float64) for pairs in seen],
         [trial.head_length_m for trial in trials],
         setup.robot,
@@ -114,7 +114,7 @@ def _check_by_whole_lengths(
     )
     also = "" if check.best is None else STATED_LENGTH_ADVICE
     return {
-        **_evidence_json(check, trials),
+        **_geometry_check_json(check, trials),
         "sentence": f"{check.sentence}{also}",
         "measured": WHOLE_LENGTH_LABEL,
         "min_share": min_share,
@@ -129,14 +129,14 @@ def _trial_camera(study: Study, trial: Trial, layout: ResultPaths) -> PoolCamera
     return pool_camera(study.setup, (size[0], size[1]) if size else None)
 
 
-def _placed_lengths(
+def _mapped_keypoint_positions(
     camera: PoolCamera, trials: list[Trial], layout: ResultPaths, depth_m: float
 ) -> list[Positions]:
     found = (read_detections(layout.keypoints(trial.trial_id), trial) for trial in trials)
     return [map_keypoints(camera, one, depth_m) for one in found]
 
 
-def _evidence_json(check: GeometryCheck, trials: Sequence[Trial]) -> dict[str, Any]:
+def _geometry_check_json(check: GeometryCheck, trials: Sequence[Trial]) -> dict[str, Any]:
     pool = next((fit for fit in check.fits if fit.hypothesis.name == "scale_error"), None)
     scale = 1 / (1 + pool.values[0]) if pool else None
     return {

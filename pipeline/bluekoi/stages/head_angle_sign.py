@@ -30,7 +30,7 @@ def head_angle_sign_finding(
     if trial.reads_keypoints or angle == 0:
         return None
     other = trial.model_copy(update={"head_angle_deg": -angle})
-    found = _share_or_zero(lambda: _found_share(study, other, camera, depth_m))
+    found = _pose_share_or_zero(lambda: _pose_share_if_plausible(study, other, camera, depth_m))
     if found < MIN_FOUND_SHARE:
         return None
     return InputIssue(
@@ -43,7 +43,9 @@ def head_angle_sign_finding(
     )
 
 
-def _found_share(study: Study, trial: Trial, camera: PoolCamera, depth_m: float) -> float:
+def _pose_share_if_plausible(
+    study: Study, trial: Trial, camera: PoolCamera, depth_m: float
+) -> float:
     """Share of the frames with a pose, of a trial that passes all checks; otherwise 0."""
     keypoints, _ = detect_in_footage(study, trial, threads=1)
     positions = map_keypoints(camera, keypoints, depth_m)
@@ -53,7 +55,7 @@ def _found_share(study: Study, trial: Trial, camera: PoolCamera, depth_m: float)
     return float(np.isfinite(pose.values[:, 0]).mean())
 
 
-def _share_or_zero(share: Callable[[], float]) -> float:
+def _pose_share_or_zero(share: Callable[[], float]) -> float:
     """A share of frames; 0 if nothing can be detected."""
     try:
         return share()

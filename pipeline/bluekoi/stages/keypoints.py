@@ -80,7 +80,7 @@ def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoin
     import cv2  # noqa: PLC0415  only where there is footage
 
     from ..footage import frames, open_recording  # noqa: PLC0415
-    from ..study.recording_pixels import setup_in_film_pixels  # noqa: PLC0415
+    from ..study.recording_pixels import setup_in_recording_pixels  # noqa: PLC0415
 
     cv2.setNumThreads(threads)
     detector = sources.source_module(study.setup.detection.source)
@@ -96,7 +96,7 @@ def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoin
         return frames(recording, colour=colour)
 
     found = detector.detect_keypoints(
-        film, setup_in_film_pixels(study.setup, recording.size_px), trial
+        film, setup_in_recording_pixels(study.setup, recording.size_px), trial
     )
     found = replace(
         found, remarks=(*found.remarks, *unreadable_frames_remark(trial, recording, found.time_s))

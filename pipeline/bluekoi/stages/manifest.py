@@ -23,7 +23,7 @@ RUN_ENVIRONMENT_VARIABLE = "BLUEKOI_RUN"
 
 def record_file_states(study: Study, results: Path) -> None:
     """Keep size and date of each file of a study as a run begins."""
-    write_json(_states_at_start(results), _file_states(study))
+    write_json(_file_record_at_start_path(results), _file_sizes_and_times(study))
 
 
 def write_manifest(study: Path, results: Path) -> list[str]:
@@ -44,7 +44,7 @@ def write_manifest(study: Path, results: Path) -> list[str]:
         "versions": environment_versions(),
         "study": loaded.setup.model_dump(mode="json"),
         "trials": {trial.trial_id: trial_row(trial) for trial in loaded.trials},
-        "inputs": _without_stamps(hashed),
+        "inputs": _without_modification_times(hashed),
         "changed_during_run": changed,
     }
     write_json(results / "manifest.json", content)
@@ -72,11 +72,11 @@ def _package_version(name: str) -> str:
         return "not installed"
 
 
-def _states_at_start(results: Path) -> Path:
+def _file_record_at_start_path(results: Path) -> Path:
     return results / "logs" / "files_at_start.cache"
 
 
-def _file_states(study: Study) -> dict[str, list[int]]:
+def _file_sizes_and_times(study: Study) -> dict[str, list[int]]:
     """Size in bytes and date in ns of each file of a study that is there, by relative path."""
     states = {path: path.stat() for path in study.files() if path.is_file()}
     return {
@@ -86,7 +86,7 @@ def _file_states(study: Study) -> dict[str, list[int]]:
 
 
 def _changed_since_start(study: Study, results: Path) -> list[str]:
-    before, now = _read_cache(_states_at_start(results)), _file_states(study)
+    before, now = _read_cache(_file_record_at_start_path(results)), _file_sizes_and_times(study)
     return sorted(name for name in before if now.get(name) != before[name])
 
 
@@ -95,20 +95,20 @@ def input_file_hashes(study: Study, results: Path) -> dict[str, dict[str, Any]]:
 
     Hashes of files that have kept size and date since the last run are those of that run.
     """
-    return _without_stamps(_hashed_files(study, results))
+    return _without_modification_times(_hashed_files(study, results))
 
 
 def _hashed_files(study: Study, results: Path) -> dict[str, dict[str, Any]]:
     known = _read_cache(_hash_cache(results))
     found = {}
-    for name, stamp in _file_states(study).items():
+    for name, stamp in _file_sizes_and_times(study).items():
         last = known.get(name, {})
         content = last["sha256"] if last.get("stamp") == stamp else sha256(study.root / name)
         found[name] = {"sha256": content, "stamp": stamp}
     return found
 
 
-def _without_stamps(hashed: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def _without_modification_times(hashed: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return {name: {"sha256": e["sha256"], "bytes": e["stamp"][0]} for name, e in hashed.items()}
 
 

@@ -21,7 +21,7 @@ from ..fitting import TrialSeries, free_runs
 from ..mismatch import find_mismatch
 from ..mismatch.camera_displacement import with_displacement_constants
 from ..mismatch.laws import cause_force_curves, partial_residuals
-from ..mismatch.results_json import details_json, mismatch_json
+from ..mismatch.results_json import mismatch_detail_json, mismatch_json
 from ..mismatch.rigid_lengths import rigid_length_measurement
 from ..mismatch.wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock
 from ..model import robot_system, two_plate_system
@@ -32,10 +32,10 @@ from ..tuning import downsampled, trial_kernel
 from .clock_factor import correct_clock, with_clock_cause
 from .clock_measurement import with_clock_measurement
 from .compiling import precompile_model_with_effects as preload
-from .contradicted_trials import contradicted_trials, contradiction_warning
 from .layout import ResultPaths, remove_files
 from .motor_measurements import with_frequency_drift, with_spin_up_time_measurement
 from .status import has_measured_lengths, with_numerical_failures_explained
+from .trial_exclusion import contradicted_trials, contradiction_warning
 from .tuning import campaign_flapping, campaign_series
 
 __all__ = ["mismatch", "preload"]
@@ -65,7 +65,7 @@ def mismatch(study: Path, results: Path) -> None:
     series = with_rigid_length_measurement(
         series, campaign.geometry or {}, loaded.setup, fitted=fitted, left_out=left_out.keys()
     )
-    series = with_nose_distances(series, loaded, ResultPaths(results))
+    series = with_keypoint_distances_from_nose(series, loaded, ResultPaths(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=stage_logger.info)
     kernel = trial_kernel(series)
     series = with_displacement_constants(kernel, series, found.displacements)
@@ -76,7 +76,7 @@ def mismatch(study: Path, results: Path) -> None:
                 for i, k in enumerate(("x_m", "y_m", "heading_rad"))}  # fmt: skip
         times = one.times / (factors[one.name].value if one.name in factors else 1.0)
         write_columns(results / "extended" / f"{one.name}.csv", {"time_s": times} | path)
-    detail = details_json(found)
+    detail = mismatch_detail_json(found)
     for name in factors.keys() & detail["forces"].keys():
         detail["forces"][name]["time_s"] = detail["forces"][name]["time_s"] / factors[name].value
     trials = {trial.trial_id: trial for trial in loaded.trials}
@@ -160,7 +160,7 @@ def _detector_error_share(geometry: Mapping[str, Any]) -> float:
     return float(np.sqrt(max(geometry["min_share"] ** 2 - STATED_LENGTH_STD_SHARE**2, 0.0)))
 
 
-def with_nose_distances(
+def with_keypoint_distances_from_nose(
     series: Sequence[TrialSeries], study: Study, layout: ResultPaths
 ) -> list[TrialSeries]:
     """Series that know where their keypoints were placed back from the nose at stated lengths."""

@@ -24,7 +24,7 @@ from ..motor.swimming_plausibility import (
     implausible_numbers_text,
     tail_length_seen,
 )
-from ..pose.exchanged_frames import exchange_back
+from ..pose.exchanged_frames import undo_head_tail_exchanges
 from ..pose.plausibility import checked_rigid_pose
 from ..pose.trial_comparison import status_of_body_measurements
 from ..smoothing import smooth_with_noise_ratio
@@ -68,7 +68,7 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
     if trial.reads_keypoints and study.setup.camera:
         check_within_picture(study.paths(trial)[0], found, study.setup.camera.image_size_px)
     depth = keypoint_depth(study.setup, layout)
-    positions, exchanged = exchange_back(
+    positions, exchanged = undo_head_tail_exchanges(
         map_keypoints(camera, found, depth), study.setup.robot, trial.head_length_m
     )
     try:

@@ -22,9 +22,9 @@ from ..tuning import (
 )
 from .clock_factor import correct_clock
 from .compiling import precompile_model as preload
-from .contradicted_trials import contradicted_trials
 from .layout import ResultPaths, remove_files
 from .status import with_numerical_failures_explained
+from .trial_exclusion import contradicted_trials
 
 __all__ = ["campaign_flapping", "campaign_series", "preload", "tuning"]
 

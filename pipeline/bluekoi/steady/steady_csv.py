@@ -9,7 +9,7 @@ from pathlib import Path
 from ..data import SteadyState, write_columns
 from ..errors import input_error
 
-NUMBER_COLUMNS = (
+STEADY_NUMBER_COLUMNS = (
     "flap_hz",
     "speed_m_s",
     "speed_std_m_s",
@@ -20,7 +20,7 @@ NUMBER_COLUMNS = (
     "steady_to_s",
 )
 CENTER_COLUMNS = ("center_x_m", "center_y_m")
-STEADY_COLUMNS = ("trial_id", *NUMBER_COLUMNS, "quality", "reason", "turn", *CENTER_COLUMNS)
+STEADY_COLUMNS = ("trial_id", *STEADY_NUMBER_COLUMNS, "quality", "reason", "turn", *CENTER_COLUMNS)
 """Columns of steady.csv."""
 
 
@@ -28,7 +28,7 @@ def write_steady(path: str | Path, steady: Mapping[str, SteadyState]) -> None:
     """Write steady.csv whole; an infinite radius as `inf`, NaN as an empty cell."""
     rows = list(steady.values())
     columns: dict[str, list[object]] = {"trial_id": list(steady)}
-    for name in NUMBER_COLUMNS:
+    for name in STEADY_NUMBER_COLUMNS:
         columns[name] = [_infinity_as_text(getattr(row, name)) for row in rows]
     columns["quality"] = [row.quality for row in rows]
     columns["reason"] = [row.reason for row in rows]
@@ -57,7 +57,7 @@ def read_steady(path: str | Path) -> dict[str, SteadyState]:
 
 def _parse_steady_row(path: str | Path, number: int, row: dict[str, str]) -> SteadyState:
     try:
-        values = {name: _cell_to_float(row[name]) for name in NUMBER_COLUMNS}
+        values = {name: _cell_to_float(row[name]) for name in STEADY_NUMBER_COLUMNS}
         x, y = (_cell_to_float(row.get(name, "")) for name in CENTER_COLUMNS)
         turn = int(float(row.get("turn") or 0))
     except (TypeError, ValueError) as error:

@@ -56,11 +56,11 @@ def steady_state(track: Track, flapping: FlappingFrequency, head_angle_rad: floa
     strictest tolerance whose segment suffices counts; the strictest where none does.
     """
     if len(track.time_s) < 8 or not np.isfinite(track.speed_m_s).all():
-        return _steady_without_data(
+        return _steady_state_without_data(
             flapping, "fewer than 8 frames: film for longer or check the detection"
         )
     if np.hypot(np.ptp(track.x_m), np.ptp(track.y_m)) < MIN_SEGMENT_DISTANCE_M:
-        return _steady_without_data(
+        return _steady_state_without_data(
             flapping, f"the robot moves less than {MIN_SEGMENT_DISTANCE_M:g} m: did it start?"
         )
     plateau = fit_plateau(
@@ -103,11 +103,11 @@ def _steady_state_of_segment(
         reason="",
     )
     if abs(np.degrees(arc)) < MIN_HEAD_ANGLE_OF_TURN_DEG and abs(head_angle_rad) < np.radians(2.0):
-        return _steady_of_straight_run(base, segment, plateau)
-    return _steady_of_turn(base, track, segment, arc)
+        return _steady_state_of_straight_run(base, segment, plateau)
+    return _steady_state_of_turn(base, track, segment, arc)
 
 
-def _steady_without_data(flapping: FlappingFrequency, reason: str) -> SteadyState:
+def _steady_state_without_data(flapping: FlappingFrequency, reason: str) -> SteadyState:
     nan = float("nan")
     return SteadyState(flapping.flap_hz, nan, nan, nan, nan, nan, nan, nan, "no_data", reason)
 
@@ -189,7 +189,9 @@ def _extrapolated_speed(track: Track, at: slice, plateau: Plateau) -> tuple[floa
     return float(speed.mean()), float(max(np.ptp(speed), plateau.speed_std_m_s))
 
 
-def _steady_of_straight_run(base: SteadyState, segment: _Segment, plateau: Plateau) -> SteadyState:
+def _steady_state_of_straight_run(
+    base: SteadyState, segment: _Segment, plateau: Plateau
+) -> SteadyState:
     if segment.settled:
         return replace(base, quality="straight")
     reason = "the speed still changes at the end: film for longer or start nearer the wall"
@@ -198,7 +200,9 @@ def _steady_of_straight_run(base: SteadyState, segment: _Segment, plateau: Plate
     return replace(base, quality="not_steady", reason=reason)
 
 
-def _steady_of_turn(base: SteadyState, track: Track, segment: _Segment, arc: float) -> SteadyState:
+def _steady_state_of_turn(
+    base: SteadyState, track: Track, segment: _Segment, arc: float
+) -> SteadyState:
     circle = _fit_segment_circle(track, segment.frames)
     quality, reason = _quality_and_reason(base, track, segment, circle)
     return replace(

@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from ..data import BODY_PART_NAMES
 from ..errors import did_you_mean
-from .pool_corner_order import corner_problems
+from .pool_corner_order import corner_order_problems
 
 if TYPE_CHECKING:
     from .setup import Camera, Robot, StudySettings
@@ -154,7 +154,7 @@ def _shared_name_problems(bodyparts: Mapping[str, str]) -> list[SettingInconsist
 
 def camera_problems(camera: Camera) -> list[SettingInconsistency]:
     """A lens or pool corners that cannot be."""
-    order = corner_problems(camera.pool_corners_px)
+    order = corner_order_problems(camera.pool_corners_px)
     corners = f"{[list(corner) for corner in camera.pool_corners_px]}"
     return [
         *_lens_problems(camera),

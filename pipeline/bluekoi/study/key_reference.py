@@ -18,7 +18,10 @@ from ..errors import did_you_mean, input_error
 from .setup import StudySettings
 from .types import Trial
 
-FILE_MODELS: dict[str, type[BaseModel]] = {"study.yaml": StudySettings, "trials.csv": Trial}
+SETTINGS_CLASS_BY_FILE: dict[str, type[BaseModel]] = {
+    "study.yaml": StudySettings,
+    "trials.csv": Trial,
+}
 """File of a study -> model of its keys."""
 LIMIT_PHRASES = {
     "gt": "more than {:g}",
@@ -53,7 +56,7 @@ def setting_keys() -> list[SettingKey]:
     """All keys, sections before what stands in them."""
     return [
         key
-        for file, model in FILE_MODELS.items()
+        for file, model in SETTINGS_CLASS_BY_FILE.items()
         for key in _keys_of_settings_class(file, model, "")
     ]
 

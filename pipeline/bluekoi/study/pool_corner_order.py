@@ -7,13 +7,13 @@ CORNER_ORDER_TEXT = (
     "the images of pool (0,0), (length,0), (length,width), (0,width) "
     "in this order, seen from above (counter-clockwise in the pool, image v downwards)"
 )
-CLOCKWISE_CORNERS = (
+CLOCKWISE_CORNERS_PROBLEM = (
     "these go round the other way: swap the second and the fourth, "
     "or, if each pair is written as [v, u], write it as [u, v]"
 )
 
 
-def corner_problems(corners: tuple[Corner, ...]) -> list[str]:
+def corner_order_problems(corners: tuple[Corner, ...]) -> list[str]:
     """What is wrong with the order of the corners; nothing where all turns are to one side.
 
     The cross product of consecutive edges has the sign of the turn; v points down in the image.
@@ -22,7 +22,7 @@ def corner_problems(corners: tuple[Corner, ...]) -> list[str]:
     if all(turn < 0 for turn in turns):
         return []
     if all(turn > 0 for turn in turns):
-        return [f"{CORNER_ORDER_TEXT}; {CLOCKWISE_CORNERS}"]
+        return [f"{CORNER_ORDER_TEXT}; {CLOCKWISE_CORNERS_PROBLEM}"]
     return [CORNER_ORDER_TEXT + "; these cross over or lie on a line"]
 
 

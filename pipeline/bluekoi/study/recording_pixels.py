@@ -12,7 +12,7 @@ from ..errors import input_error
 from .setup import StudySettings
 
 
-def setup_in_film_pixels(
+def setup_in_recording_pixels(
     setup: StudySettings, size_px: tuple[int, int], name: str = "the recording"
 ) -> StudySettings:
     """Setup whose camera section speaks of the pixels of a recording of this size (width, height).
@@ -31,7 +31,7 @@ def setup_in_film_pixels(
         "image_size_px": tuple(size_px),
     }
     if given.matrix is not None:
-        matrix = zoom_homography(scale) @ np.array(given.matrix, dtype=float)
+        matrix = picture_scaling_homography(scale) @ np.array(given.matrix, dtype=float)
         changed["matrix"] = tuple(map(tuple, matrix.tolist()))
     return setup.model_copy(update={"camera": given.model_copy(update=changed)})
 
@@ -42,7 +42,7 @@ def to_study_pixels(setup: StudySettings, size_px: tuple[int, int], points_px: F
     return (points_px - (scale - 1) / 2) / scale
 
 
-def zoom_homography(factor: float) -> Float:
+def picture_scaling_homography(factor: float) -> Float:
     """Pixels of a picture to those of one `factor` times as large, homogeneous (3, 3).
 
     Pixel centres lie at whole numbers.

@@ -25,11 +25,15 @@ def _refuse_non_plain_number(value: object) -> object:
 
 PlainNumberCheck = BeforeValidator(_refuse_non_plain_number)
 PlainFloat = Annotated[float, PlainNumberCheck]
-LARGEST_NUMBER = 1e7
+MAX_SETTING_MAGNITUDE = 1e7
 """No length, mass, focal length or pixel of a study in SI units is larger; a slip of the pen is."""
-Positive = Annotated[float, PlainNumberCheck, Field(gt=0, le=LARGEST_NUMBER, allow_inf_nan=False)]
+Positive = Annotated[
+    float, PlainNumberCheck, Field(gt=0, le=MAX_SETTING_MAGNITUDE, allow_inf_nan=False)
+]
 BoundedNumber = Annotated[
-    float, PlainNumberCheck, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False)
+    float,
+    PlainNumberCheck,
+    Field(ge=-MAX_SETTING_MAGNITUDE, le=MAX_SETTING_MAGNITUDE, allow_inf_nan=False),
 ]
 Pixel = tuple[BoundedNumber, BoundedNumber]
 Row3 = tuple[BoundedNumber, BoundedNumber, BoundedNumber]

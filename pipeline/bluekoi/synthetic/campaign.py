@@ -18,7 +18,7 @@ from bluekoi.synthetic.motor_log import motor_angles, write_motor_log
 from bluekoi.synthetic.optics import pool_corners
 from bluekoi.synthetic.trial import (
     SolvedTrial,
-    camera_at,
+    camera_of_design_at_time,
     frame_truth,
     mean_path,
     solve_trial,
@@ -92,7 +92,7 @@ def write_motor(design: StudyDesign, trial: SolvedTrial, folder: Path) -> None:
 
 def study_contents(design: StudyDesign) -> dict[str, Any]:
     """Content of study.yaml: pool, water, robot, camera with the corners it sees."""
-    camera, tank = camera_at(design, -1.0), design.tank
+    camera, tank = camera_of_design_at_time(design, -1.0), design.tank
     (fx, fy), (cx, cy) = camera.focal_px, camera.middle_px
     corners = pool_corners(camera, tank.pool_m)
     length, width = tank.pool_m

@@ -23,7 +23,7 @@ from bluekoi.synthetic.glare import add_glare, random_lamp_reflections
 from bluekoi.synthetic.optics import Camera, pool_points_to_pixels
 from bluekoi.synthetic.picture_conditions import PictureConditions
 from bluekoi.synthetic.scene import PoolImagery, build_scene
-from bluekoi.synthetic.trial import SolvedTrial, camera_at, trial_rng
+from bluekoi.synthetic.trial import SolvedTrial, camera_of_design_at_time, trial_rng
 
 
 @lru_cache(maxsize=3)
@@ -35,7 +35,7 @@ def _cached_scene(
 
 def film_setup_at(design: StudyDesign, time_s: float) -> FilmSetup:
     """Pool, camera, light, lamps and noise of a design at a time (changed by a camera shift)."""
-    camera, state = camera_at(design, time_s), design.conditions
+    camera, state = camera_of_design_at_time(design, time_s), design.conditions
     pool = (*design.tank.pool_m, design.pool_depth_m)
     rng = np.random.default_rng([design.seed, 7])
     return FilmSetup(
@@ -108,7 +108,7 @@ def render_frames(design: StudyDesign, trial: SolvedTrial) -> Iterator[ImagePlan
         yield add_noise(clean, stage, rng)
 
 
-def _occluded(
+def _occlusion_mask(
     camera: Camera, pixels: np.ndarray, parts: list[DrawnShape], height_m: float
 ) -> np.ndarray:
     """Which of pixels `(5, 2)` lie behind a body."""
@@ -133,7 +133,7 @@ def visible_keypoints(
     inside = (keypoints_px > -0.5) & (keypoints_px < np.array([width, height]) - 0.5)
     shown: np.ndarray = np.all(inside, axis=-1)
     for number, now in enumerate(trial.time_s):
-        camera = camera_at(design, float(now))
+        camera = camera_of_design_at_time(design, float(now))
         for parts, height_m in distractors_at(design.conditions, trial, float(now)):
-            shown[number] &= ~_occluded(camera, keypoints_px[number], parts, height_m)
+            shown[number] &= ~_occlusion_mask(camera, keypoints_px[number], parts, height_m)
     return shown

@@ -8,7 +8,7 @@ from bluekoi.files import write_rows
 from bluekoi.synthetic.tank import TrialMotion
 
 SAMPLE_INTERVAL_S = 0.005
-DEAD_ZONE_DEG = (336.0, 360.0)
+DEAD_ZONE_RANGE_DEG = (336.0, 360.0)
 ANGLE_NOISE_STD_DEG = 0.8
 DEAD_ZONE_FLOATING_SHARE = 0.15
 
@@ -21,10 +21,10 @@ def motor_angles(motion: TrialMotion, duration_s: float, rng: np.random.Generato
     time_s = np.arange(0, duration_s, SAMPLE_INTERVAL_S)
     true = np.degrees(motion.mean(time_s)[:, 6]) % 360
     read = (true + rng.normal(0, ANGLE_NOISE_STD_DEG, len(true))) % 360
-    dead = (true > DEAD_ZONE_DEG[0]) & (true < DEAD_ZONE_DEG[1])
-    stuck = DEAD_ZONE_DEG[0] + rng.normal(0, 0.5 * ANGLE_NOISE_STD_DEG, len(true))
+    dead = (true > DEAD_ZONE_RANGE_DEG[0]) & (true < DEAD_ZONE_RANGE_DEG[1])
+    stuck = DEAD_ZONE_RANGE_DEG[0] + rng.normal(0, 0.5 * ANGLE_NOISE_STD_DEG, len(true))
     floating = rng.random(len(true)) < DEAD_ZONE_FLOATING_SHARE
-    lost = np.where(floating, rng.uniform(0, DEAD_ZONE_DEG[0], len(true)), stuck)
+    lost = np.where(floating, rng.uniform(0, DEAD_ZONE_RANGE_DEG[0], len(true)), stuck)
     return np.column_stack([time_s, np.where(dead, lost, read)])
 
 

@@ -38,7 +38,7 @@ def to_yuv(rgb: np.ndarray) -> np.ndarray:
     return np.stack([y, (b - y) / 1.8556 + 128, (r - y) / 1.5748 + 128], axis=-1)
 
 
-def pool_map(camera: Camera, depth_m: float, step: int = 1) -> np.ndarray:
+def pool_coordinates_of_pixels(camera: Camera, depth_m: float, step: int = 1) -> np.ndarray:
     """Pool x, y (m) seen at every `step`-th pixel, `(v, u, 2)`, at a depth; exact each 8 pixels."""
     width, height = camera.size_px
     coarse = CAUSTIC_STEP_PX
@@ -125,7 +125,10 @@ def _still_picture(
 ) -> tuple[np.ndarray, np.ndarray]:
     """RGB `(v, u, 3)` of the pool at rest, and the share of water `(v, u)`."""
     rng = np.random.default_rng(seed)
-    surface, floor = pool_map(camera, 0.0), pool_map(camera, depth_m)
+    surface, floor = (
+        pool_coordinates_of_pixels(camera, 0.0),
+        pool_coordinates_of_pixels(camera, depth_m),
+    )
     pixel_m = camera.centre_m[2] / camera.focal_px[0]
 
     def edge(distance: np.ndarray) -> np.ndarray:
@@ -186,7 +189,9 @@ def build_scene(
     yuv = to_yuv(rgb)
     half = (camera.size_px[0] // 2, camera.size_px[1] // 2)
     chroma = [cv2.resize(yuv[..., c], half, interpolation=cv2.INTER_AREA) for c in (1, 2)]
-    light = caustics(pool_map(camera, depth_m, CAUSTIC_STEP_PX), caustic_rms, seed + 1)
+    light = caustics(
+        pool_coordinates_of_pixels(camera, depth_m, CAUSTIC_STEP_PX), caustic_rms, seed + 1
+    )
     small = cv2.resize(wet, light.shape[:0:-1], interpolation=cv2.INTER_AREA)
     light = np.round(128 + (light.astype(np.float32) - 128) * small).astype(np.uint8)
     return PoolImagery(

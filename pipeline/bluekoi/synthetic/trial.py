@@ -125,7 +125,7 @@ def solve_trial(
     return SolvedTrial(plan, tank, run, motion, np.arange(frames) / float(rate))
 
 
-def camera_at(design: StudyDesign, time_s: float) -> Camera:
+def camera_of_design_at_time(design: StudyDesign, time_s: float) -> Camera:
     """The design's camera at its picture size, before or after it was moved."""
     state = design.conditions
     camera = resized_camera(design.camera, state.size_px)
@@ -146,10 +146,14 @@ def keypoint_pixels(
     deeper = sinking_m_s * np.clip(trial.time_s, 0.0, None)
     depth = trial.tank.robot.keypoint_depth_m + np.repeat(deeper, points.shape[1])
     place = np.column_stack([flat.real, flat.imag, -depth])
-    before = pool_points_to_pixels(camera_at(design, -1.0), place).reshape(*points.shape, 2)
+    before = pool_points_to_pixels(camera_of_design_at_time(design, -1.0), place).reshape(
+        *points.shape, 2
+    )
     if design.conditions.nudge_at_s is None:
         return before
-    after = pool_points_to_pixels(camera_at(design, math.inf), place).reshape(*points.shape, 2)
+    after = pool_points_to_pixels(camera_of_design_at_time(design, math.inf), place).reshape(
+        *points.shape, 2
+    )
     return np.where((trial.time_s >= design.conditions.nudge_at_s)[:, None, None], after, before)
 
 

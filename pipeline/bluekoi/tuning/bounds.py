@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from ..fitting import ParameterFit, newton_step_off_bounds
+from ..fitting import ParameterFit, newton_step_ignoring_bounds
 from ..integrate.system import Parameter
 
 LOWER, UPPER = "lower", "upper"
@@ -37,7 +37,7 @@ def intervals_at_bounds(found: ParameterFit) -> dict[int, Float]:
     held = {i: side for i, side in enumerate(bound_sides(found)) if side}
     if not held:
         return {}
-    change, spread = newton_step_off_bounds(found.normal)
+    change, spread = newton_step_ignoring_bounds(found.normal)
     middle, half = found.values + change, spread.half_widths()
     return {
         i: _clip_interval_to_bounds(

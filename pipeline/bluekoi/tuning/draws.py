@@ -6,7 +6,12 @@ import numpy as np
 from scipy.special import stdtr, stdtrit
 
 from ..data import Float
-from ..fitting import ParameterFit, conditional_response, newton_step_off_bounds, student_t_draws
+from ..fitting import (
+    ParameterFit,
+    conditional_response,
+    newton_step_ignoring_bounds,
+    student_t_draws,
+)
 from .bounds import intervals_at_bounds
 from .joint_fit import JointFit
 
@@ -26,7 +31,7 @@ def sample_parameters(tuned: JointFit, count: int, rng: np.random.Generator) -> 
     if held:
         moved = _sample_one_sided(found, held, rng.random((count, len(held)))) - found.values[held]
         out[:, held] += moved
-        out += moved @ response_to_bounded(found, held).T
+        out += moved @ response_to_parameters_at_bounds(found, held).T
     return clip_to_bounds(found, out)
 
 
@@ -40,7 +45,7 @@ def _sample_one_sided(found: ParameterFit, held: list[int], u: Float) -> Float:
     """Values (count, held) within the one-sided intervals, from uniform u; evenly where nothing
     is known.
     """
-    change, spread = newton_step_off_bounds(found.normal)
+    change, spread = newton_step_ignoring_bounds(found.normal)
     out = np.empty_like(u)
     for k, i in enumerate(held):
         low, high = intervals_at_bounds(found)[i]
@@ -55,7 +60,7 @@ def _sample_one_sided(found: ParameterFit, held: list[int], u: Float) -> Float:
     return out
 
 
-def response_to_bounded(found: ParameterFit, held: list[int]) -> Float:
+def response_to_parameters_at_bounds(found: ParameterFit, held: list[int]) -> Float:
     """Response (p, held) of each number off its bounds to a change of those at a bound."""
     H = found.normal.hessian.sum(axis=0)
     bound = set(intervals_at_bounds(found))

@@ -27,7 +27,7 @@ PROFILE_RANGE_STDS = 3.0
 
 
 @dataclass(frozen=True)
-class Combination:
+class ParameterCombination:
     """One direction of the Fisher spectrum: unit vector (p,) in relative changes, its deviation.
 
     std: that of a normal law with its 95 % interval, or the naive one where that is larger; `inf`
@@ -66,7 +66,7 @@ def parameter_scales(tuned: JointFit) -> Float:
     return np.maximum(np.abs(tuned.fit.values), usual)
 
 
-def fisher_eigendirections(tuned: JointFit) -> list[Combination]:
+def fisher_eigendirections(tuned: JointFit) -> list[ParameterCombination]:
     """Combinations of the free numbers by their deviation, the least determined first.
 
     Eigenvectors of the relative covariance, with the widths that the table has: Student's t with
@@ -80,15 +80,15 @@ def fisher_eigendirections(tuned: JointFit) -> list[Combination]:
     return sorted(out, key=lambda one: (one.std, one.naive), reverse=True)
 
 
-def _combination_at_bound(tuned: JointFit, index: int) -> Combination:
+def _combination_at_bound(tuned: JointFit, index: int) -> ParameterCombination:
     """A number at its bound; its interval is one-sided."""
     alone, size = np.eye(len(tuned.std))[index], parameter_scales(tuned)[index]
     width = float(np.diff(tuned.interval_95[index])[0])
     std = width / Z_95 / size if np.isfinite(width) else np.inf
-    return Combination(alone, std, side=bound_sides(tuned.fit)[index])
+    return ParameterCombination(alone, std, side=bound_sides(tuned.fit)[index])
 
 
-def _combinations_off_bounds(tuned: JointFit, held: Sequence[str]) -> list[Combination]:
+def _combinations_off_bounds(tuned: JointFit, held: Sequence[str]) -> list[ParameterCombination]:
     """Combinations of the numbers that are off their bounds."""
     own = np.flatnonzero([not side for side in held])
     if not len(own):
@@ -105,12 +105,12 @@ def _combinations_off_bounds(tuned: JointFit, held: Sequence[str]) -> list[Combi
     determined = [
         _combination(tuned, axes @ seen @ v, n) for v, n in zip(turned.T, naive, strict=True)
     ]
-    return [Combination(axes @ v, np.inf) for v in vectors[:, blind].T] + determined
+    return [ParameterCombination(axes @ v, np.inf) for v in vectors[:, blind].T] + determined
 
 
-def _combination(tuned: JointFit, direction: Float, naive: float) -> Combination:
+def _combination(tuned: JointFit, direction: Float, naive: float) -> ParameterCombination:
     std = tuned.covariance.half_width(direction / parameter_scales(tuned)) / Z_95
-    return Combination(direction, max(std, float(naive)), float(naive))
+    return ParameterCombination(direction, max(std, float(naive)), float(naive))
 
 
 def likelihood_profiles(series: Sequence[TrialSeries], tuned: JointFit) -> list[LikelihoodProfile]:

@@ -30,13 +30,13 @@ from ..integrate import CompiledSystem
 from ..integrate.system import Parameter
 from ..model import HYDRODYNAMIC_COEFFICIENTS
 from .bounds import LOWER, UPPER, bound_sides, intervals_at_bounds
-from .similar_robots import similar_noise, trial_kernel, units_of_trials
+from .similar_robots import noise_scaled_to_robot, robot_units_of_trials, trial_kernel
 
 HEAD_ANGLE_ERROR_PARAMETER = "head_angle_offset.offset"
 """The parameter that a servo's error in one trial changes."""
 UNDETERMINED_ABOVE = 0.3
 """A parameter is not determined where its standard deviation exceeds this share of its size."""
-START_SCALES = (0.3, 0.1, 0.03, 0.0)
+RESTART_COEFFICIENT_SCALES = (0.3, 0.1, 0.03, 0.0)
 """Shares of the usual coefficients from which a fit begins where the model runs away at those. The
 yaw damping, which calms the model, stays as it is."""
 YAW_DAMPING = "C_Md"
@@ -112,7 +112,7 @@ def fit_all_trials(
     kernel = trial_kernel(series)
     free = tuple(free or (FreeParameter(p.name) for p in HYDRODYNAMIC_COEFFICIENTS))
     base = kernel.system.values({}) if base is None else base
-    begin = noise or similar_noise(units_of_trials(series), START_NOISE)
+    begin = noise or noise_scaled_to_robot(robot_units_of_trials(series), START_NOISE)
     found = _first_fit(kernel, series, base, free, noise=begin, start=start)
     if noise is None:
         points = [trial_parameter_vector(kernel, base, free, found.values, s.group) for s in series]
@@ -136,7 +136,7 @@ def _first_fit(
     slots = kernel.system.slot
     given = start or {}
     values = {f.label: given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free}
-    for share in (1.0, *START_SCALES):
+    for share in (1.0, *RESTART_COEFFICIENT_SCALES):
         begin = {label: float(value if label.startswith(YAW_DAMPING) else share * value)
                  for label, value in values.items()}  # fmt: skip
         found = fit_parameters_jointly(

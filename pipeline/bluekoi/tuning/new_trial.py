@@ -15,7 +15,7 @@ from ..model import constants_of_robot_trial
 from ..observation import camera_error_inputs
 from ..study import StudySettings
 from .bounds import bound_sides
-from .identify import Combination, parameter_scales
+from .identify import ParameterCombination, parameter_scales
 from .joint_fit import UNDETERMINED_ABOVE, JointFit
 from .similar_robots import trial_kernel
 from .turning_trials import TURN_COEFFICIENTS, no_trial_turns_head
@@ -37,7 +37,10 @@ class RecommendedTrial:
 
 
 def c_optimal_trial(
-    series: Sequence[TrialSeries], tuned: JointFit, setup: StudySettings, combination: Combination
+    series: Sequence[TrialSeries],
+    tuned: JointFit,
+    setup: StudySettings,
+    combination: ParameterCombination,
 ) -> RecommendedTrial | None:
     """The trial within the robot's range that adds most information on a combination; None if
     none can be simulated.

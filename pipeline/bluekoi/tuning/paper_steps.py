@@ -6,8 +6,8 @@ straight run holds alpha at 0 and says nothing about it, so it is fitted in step
 Step 2: turns of the 1x head give C_La and C_Ma for all powers, C_Da and C_Md at each power.
 Step 3: turns of the longer head are predicted, not fitted.
 The values are as published: step 2 takes those of step 1 as they are. Their errors are not: step
-1's covariance enters that of step 2 (`with_step_covariance`), and since a step has few trials,
-which may agree by chance, no variance is stated that is less than the naive one.
+1's covariance enters that of step 2 (`with_earlier_step_covariance`), and since a step has few
+trials, which may agree by chance, no variance is stated that is less than the naive one.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from ..study import Robot, Study, Trial
 from .draws import clip_to_bounds, sample_parameters
 from .joint_fit import JointFit, coefficient_cell, fit_all_trials
 from .similar_robots import trial_kernel
-from .two_step_covariance import sensitivity_to_earlier_step, with_step_covariance
+from .two_step_covariance import sensitivity_to_earlier_step, with_earlier_step_covariance
 
 MAX_STRAIGHT_ANGLE_DEG = 3.0
 """Head angle below which a trial is a straight run."""
 STEP_DRAWS, DRAW_SEED = 60, 0
 """Draws of the coefficients of a step, and their seed."""
-MIN_VARIANCE_SHARE = 1.0
+MIN_VARIANCE_OVER_NAIVE = 1.0
 """No variance of a step is less than this share of the naive one."""
 COMMON_COEFFICIENTS = ("C_T", "C_D0", "C_La", "C_Ma")
 """Coefficients that the paper holds equal at all powers."""
@@ -51,7 +51,9 @@ def fit_paper_steps(
     turns = [s for s in one_x if not is_straight(trials[s.name])]
     first = (
         fit_all_trials(
-            straight, [FreeParameter("C_T"), FreeParameter("C_D0")], min_share=MIN_VARIANCE_SHARE
+            straight,
+            [FreeParameter("C_T"), FreeParameter("C_D0")],
+            min_share=MIN_VARIANCE_OVER_NAIVE,
         )
         if straight
         else None
@@ -61,7 +63,7 @@ def fit_paper_steps(
     second = (
         own
         if own is None or first is None or sensitivity is None
-        else with_step_covariance(own, first, sensitivity)
+        else with_earlier_step_covariance(own, first, sensitivity)
     )
     powers = sorted({s.group for s in series}, key=float)
     sampled = sample_step_parameters((first, own), sensitivity, np.random.default_rng(DRAW_SEED))
@@ -127,7 +129,7 @@ def _fit_second_step(turns: Sequence[TrialSeries], first: JointFit | None) -> Jo
     base = trial_kernel(turns).system.values(first.fit.by_label() if first else {})
     if first is None:
         free = [FreeParameter("C_T"), FreeParameter("C_D0"), *free]
-    return fit_all_trials(turns, free, base=base, min_share=MIN_VARIANCE_SHARE)
+    return fit_all_trials(turns, free, base=base, min_share=MIN_VARIANCE_OVER_NAIVE)
 
 
 def _results_of_power(
@@ -185,7 +187,7 @@ def _compare_measured_with_simulated(
             "head_angle_deg": angle,
             "head_length_m": length,
             "trials": ids,
-            "step": _step_of(study, angle, length),
+            "step": _paper_step_of_condition(study, angle, length),
             **_compare_with_measurement(study, (angle, length),
                                         [steady[i] for i in ids if i in steady],
                                         coefficients, flap_hz),
@@ -194,7 +196,7 @@ def _compare_measured_with_simulated(
     }  # fmt: skip
 
 
-def _step_of(study: Study, angle: float, length: float) -> int:
+def _paper_step_of_condition(study: Study, angle: float, length: float) -> int:
     if abs(length - study.setup.robot.head_length_m) > 1e-6:
         return 3
     return 1 if angle < MAX_STRAIGHT_ANGLE_DEG else 2

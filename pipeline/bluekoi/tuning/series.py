@@ -11,7 +11,7 @@ from ..fitting import TrialSeries
 from ..model import RobotUnits, constants_of_robot_trial, robot_units, two_plate_system
 from ..observation import camera_error_inputs
 from ..study import Study, StudySettings, Trial
-from .similar_robots import similar_state_std
+from .similar_robots import state_std_scaled_to_robot
 
 OUTLIER_SIGMA = 6.0
 SERVO_STD_RAD = 0.01  # ASSUME a servo error of 0.6 degrees, constant within a trial
@@ -19,7 +19,7 @@ RECOIL_ERROR_CORRELATION_BEATS = 0.25
 """Beats for which an error of the recoil keeps its sign: an oscillation is on one side for half a
 beat, and its mean over longer blocks falls. Once a beat makes the true causes of 14 known studies
 less likely, by 13 in the median (docs/decisions/052)."""
-USUAL_FLAP_HZ = 3.5
+NOISE_REFERENCE_FLAP_HZ = 3.5
 """Flapping frequency of the published robot at which `Noise.disturbance` states the forces."""
 INITIAL_STATE_STD = np.array([0.1, 0.1, 0.05, 0.05, 0.05, 0.3])  # m, m, rad, m/s, m/s, rad/s
 """For the published robot; of the place as much as the centre of mass may be off the keypoint."""
@@ -67,7 +67,7 @@ def trial_series(
     seen[unusable] = np.nan
     noise[unusable] = np.eye(4)
     start = _initial_state_from_track(times, track)
-    start_std = similar_state_std(robot_units(setup.robot), INITIAL_STATE_STD)
+    start_std = state_std_scaled_to_robot(robot_units(setup.robot), INITIAL_STATE_STD)
     others = len(two_plate_system().all_states) - len(start_std)
     return TrialSeries(
         name=trial.trial_id,
@@ -97,7 +97,7 @@ def _random_force_size(flap_hz: float, units: RobotUnits) -> float:
     with the flapping frequency. The trials of the search's generators are likelier with forces of
     this size than with equal ones (docs/decisions/052).
     """
-    beats = flap_hz * units.time / USUAL_FLAP_HZ
+    beats = flap_hz * units.time / NOISE_REFERENCE_FLAP_HZ
     return beats if np.isfinite(beats) and beats > 0 else 1.0
 
 

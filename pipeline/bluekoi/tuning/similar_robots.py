@@ -11,7 +11,7 @@ from ..data import Float
 from ..fitting import Noise, TrialSeries, block_averaged
 from ..fitting.block_average import DEFAULT_BLOCK_RATE_HZ, PARABOLA_HALF_WINDOW_S
 from ..integrate import CompiledSystem, compile_system
-from ..model import RobotUnits, trial_system, trial_units
+from ..model import RobotUnits, robot_units_of_trial, trial_system
 
 HEAD_ANGLE_COLUMN = 3
 """Column of the head angle among the observations."""
@@ -21,9 +21,9 @@ STATE_UNITS = ("m", "m", "rad", "m/s", "m/s", "rad/s")
 """Units of the states of the motion."""
 
 
-def units_of_trials(series: Sequence[TrialSeries]) -> RobotUnits:
+def robot_units_of_trials(series: Sequence[TrialSeries]) -> RobotUnits:
     """Units of the robot in these trials."""
-    return trial_units(series[0].constants)
+    return robot_units_of_trial(series[0].constants)
 
 
 def trial_kernel(series: Sequence[TrialSeries]) -> CompiledSystem:
@@ -31,13 +31,13 @@ def trial_kernel(series: Sequence[TrialSeries]) -> CompiledSystem:
     return compile_system(trial_system(series[0].constants))
 
 
-def similar_noise(units: RobotUnits, noise: Noise) -> Noise:
+def noise_scaled_to_robot(units: RobotUnits, noise: Noise) -> Noise:
     """The noise of the published robot for a similar one."""
     size = np.array([units.ratio(unit) for unit in RANDOM_STATE_UNITS])
     return replace(noise, disturbance=noise.disturbance * size, tau=noise.tau * units.time)
 
 
-def similar_state_std(units: RobotUnits, std: Float) -> Float:
+def state_std_scaled_to_robot(units: RobotUnits, std: Float) -> Float:
     """Standard deviations (6,) of the states of the published robot for a similar one."""
     return std * np.array([units.ratio(unit) for unit in STATE_UNITS])
 
@@ -50,7 +50,7 @@ def downsampled(
     """
     if not series:
         return []
-    unit = units_of_trials(series).time
+    unit = robot_units_of_trials(series).time
     return [block_averaged(s, rate_hz / unit, constant=(HEAD_ANGLE_COLUMN,),
                            half_window_s=PARABOLA_HALF_WINDOW_S * unit)
             for s in series]  # fmt: skip

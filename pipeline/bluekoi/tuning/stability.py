@@ -16,7 +16,7 @@ from .joint_fit import JointFit
 
 LINEARISATION_INTERVAL_S = 0.02
 """Interval over which the motion is linearised."""
-LINEARISED_STATES = (2, 3, 4, 5)  # psi, u, v, r: x and y do not act back
+LINEARISED_STATE_INDICES = (2, 3, 4, 5)  # psi, u, v, r: x and y do not act back
 
 
 def straight_swimming_growth_per_s(
@@ -38,7 +38,7 @@ def straight_swimming_growth_per_s(
     kernel = compile_system(robot_system(setup.robot))
     state = np.zeros((1, len(kernel.system.all_states), LANES))
     state[0, 3] = run.speed_m_s[-1]
-    varied = [*LINEARISED_STATES, *_own_states(kernel.system, effects or {})]
+    varied = [*LINEARISED_STATE_INDICES, *_effect_state_indices(kernel.system, effects or {})]
     for lane, i in enumerate(varied, start=1):
         state[0, i, lane] += 1e-6
     values = kernel.system.values(coefficients, effects)
@@ -59,14 +59,14 @@ def straight_swimming_growth_per_s(
     return float(np.log(np.max(np.abs(np.linalg.eigvals(F[1:, 1:])))) / LINEARISATION_INTERVAL_S)
 
 
-def _own_states(system: System, effects: Collection[str]) -> list[int]:
+def _effect_state_indices(system: System, effects: Collection[str]) -> list[int]:
     """Places of the states of effects, such as the lift of a fin that builds up."""
     return [system.all_states.index(s) for name in effects for s in system.effect(name).states]
 
 
 MIN_GROWTH_PER_S = 0.05
 """Below this a small turn counts as fading."""
-MAX_LOST_DRAWS_SHARE = 0.05
+MAX_UNSTEADY_DRAWS_SHARE = 0.05
 """Where more of the draws than this have no steady straight run, nothing is asserted."""
 
 
@@ -79,7 +79,7 @@ def stability_verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, A
     low, high = np.quantile([growth, *finite], [0.025, 0.975]).tolist()
     growth_json = {"eigenvalue_per_s": growth, "interval_95": [low, high] if finite else None}
     lost = 1.0 - (1 + len(finite)) / (1 + len(draws))
-    if low <= MIN_GROWTH_PER_S < high or lost > MAX_LOST_DRAWS_SHARE:
+    if low <= MIN_GROWTH_PER_S < high or lost > MAX_UNSTEADY_DRAWS_SHARE:
         sentence = (
             "Whether the fitted model swims straight is not determined by these trials: within the "
             f"coefficients' deviations a small turn goes as e^({low:+.1f} t) to e^({high:+.1f} t)."

@@ -28,7 +28,7 @@ def steady_errors(
         seen = steady.get(one.name)
         if seen is None or seen.quality not in ("good", "short_arc", "straight"):
             continue
-        speed, radius = _steady_turn(study, kernel, one, seen, values)
+        speed, radius = _steady_speed_and_radius(study, kernel, one, seen, values)
         speeds.append(abs(speed / seen.speed_m_s - 1))
         if np.isfinite(seen.radius_m) and seen.quality != "straight" and np.isfinite(radius):
             radii.append(abs(radius / seen.radius_m - 1))
@@ -36,7 +36,7 @@ def steady_errors(
     return {"radius_error_pct": mean[0], "speed_error_pct": mean[1]}
 
 
-def _steady_turn(
+def _steady_speed_and_radius(
     study: Study, kernel: CompiledSystem, one: TrialSeries, seen: SteadyState, values: Float
 ) -> tuple[float, float]:
     """Speed (m/s) and radius (m) of a free run, over the steady segment of the recording."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..fitting import TrialSeries
-from ..fitting.joint_fit import AT_BOUND
+from ..fitting.joint_fit import AT_BOUND_REASON
 from .bounds import bound_sides, intervals_at_bounds
 from .joint_fit import JointFit
 
@@ -51,7 +51,7 @@ def joint_fit_outcome_text(tuned: JointFit, series: Sequence[TrialSeries]) -> st
     """The joint fit's outcome; of numbers at a bound whether the data ask for more than is
     plausible, or whether they only say too little of them.
     """
-    if tuned.fit.outcome != AT_BOUND:
+    if tuned.fit.outcome != AT_BOUND_REASON:
         return tuned.fit.outcome
     held = [tuned.fit.free[i].label for i, side in enumerate(bound_sides(tuned.fit)) if side]
     blind = [name for name in held if name.split("@")[0] in TURN_COEFFICIENTS]

@@ -33,7 +33,9 @@ def sensitivity_to_earlier_step(
     return out
 
 
-def with_step_covariance(later: JointFit, earlier: JointFit, sensitivity: Float) -> JointFit:
+def with_earlier_step_covariance(
+    later: JointFit, earlier: JointFit, sensitivity: Float
+) -> JointFit:
     """The later fit with the earlier one's covariance in its own, sensitivity = G.
 
     Degrees of freedom of a sum of two variances by Satterthwaite, v^2 / f = v1^2 / f1 + v2^2 / f2;

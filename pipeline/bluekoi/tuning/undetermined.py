@@ -9,7 +9,12 @@ import numpy as np
 
 from ..fitting import TrialSeries
 from ..study import StudySettings
-from .identify import Combination, fisher_eigendirections, parameter_scales, parts_by_coefficient
+from .identify import (
+    ParameterCombination,
+    fisher_eigendirections,
+    parameter_scales,
+    parts_by_coefficient,
+)
 from .joint_fit import JointFit
 from .new_trial import RecommendedTrial, c_optimal_trial
 from .turning_trials import TURN_COEFFICIENTS, no_trial_turns_head
@@ -31,7 +36,7 @@ def undetermined_combinations(
         {
             **combination_json(names, one),
             "sentence": _combination_sentence(names, one, straight=still),
-            "trial": _repeat_that_trial(series, tuned, one)
+            "trial": _advice_to_repeat_trial(series, tuned, one)
             or _next_trial_advice(c_optimal_trial(series, tuned, setup, one)),
         }
         for one in fisher_eigendirections(tuned)
@@ -39,16 +44,16 @@ def undetermined_combinations(
     ]
 
 
-def is_undetermined(names: Sequence[str], one: Combination, *, straight: bool) -> bool:
+def is_undetermined(names: Sequence[str], one: ParameterCombination, *, straight: bool) -> bool:
     """Whether a combination is not determined: wide, at a bound, or of straight runs alone with a
     part in it that acts at an angle of attack.
     """
     return not one.determined or (
-        straight and bool(_names_needing_turns(parts_by_coefficient(names, one.direction)))
+        straight and bool(_coefficients_needing_turns(parts_by_coefficient(names, one.direction)))
     )
 
 
-def combination_json(names: Sequence[str], one: Combination) -> dict[str, Any]:
+def combination_json(names: Sequence[str], one: ParameterCombination) -> dict[str, Any]:
     """A combination as it stands in coefficients.json."""
     parts = parts_by_coefficient(names, one.direction)
     return {
@@ -57,11 +62,13 @@ def combination_json(names: Sequence[str], one: Combination) -> dict[str, Any]:
     }
 
 
-def _names_needing_turns(parts: Mapping[str, float]) -> list[str]:
+def _coefficients_needing_turns(parts: Mapping[str, float]) -> list[str]:
     return [n for n in parts if n.split("@")[0] in TURN_COEFFICIENTS]
 
 
-def _combination_sentence(names: Sequence[str], one: Combination, *, straight: bool) -> str:
+def _combination_sentence(
+    names: Sequence[str], one: ParameterCombination, *, straight: bool
+) -> str:
     parts = parts_by_coefficient(names, one.direction)
     out = (
         _single_number_sentence(next(iter(parts)), one)
@@ -71,7 +78,7 @@ def _combination_sentence(names: Sequence[str], one: Combination, *, straight: b
     if np.isinf(one.std) and np.isfinite(one.naive):
         out += " Only one trial determines it, so that its error cannot be estimated from the"
         out += " variation between trials."
-    blind = _names_needing_turns(parts)
+    blind = _coefficients_needing_turns(parts)
     if straight and blind:
         out += (
             " Straight runs hold alpha at 0: they fix C_T/C_D0, and the start from rest each of the"
@@ -80,7 +87,7 @@ def _combination_sentence(names: Sequence[str], one: Combination, *, straight: b
     return out
 
 
-def _single_number_sentence(name: str, one: Combination) -> str:
+def _single_number_sentence(name: str, one: ParameterCombination) -> str:
     if one.side:
         return f"{name} stands at its {one.side} bound."
     if np.isfinite(one.std):
@@ -103,7 +110,9 @@ def _combined_numbers_sentence(parts: Mapping[str, float]) -> str:
     )
 
 
-def _repeat_that_trial(series: Sequence[TrialSeries], tuned: JointFit, one: Combination) -> str:
+def _advice_to_repeat_trial(
+    series: Sequence[TrialSeries], tuned: JointFit, one: ParameterCombination
+) -> str:
     """Advice to repeat the trial that alone determines a combination."""
     if np.isfinite(one.std) or not np.isfinite(one.naive) or len(series) < 2:
         return ""

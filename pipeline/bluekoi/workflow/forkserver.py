@@ -85,7 +85,7 @@ class Server:
             if self.listener in ready:
                 self._accept()
             for connection in ready - {wake_read, self.listener}:
-                self._hung_up(connection)
+                self._kill_fork_after_hang_up(connection)
         self._end()
 
     def _end(self) -> None:
@@ -172,7 +172,7 @@ class Server:
                     with suppress(OSError), job.connection as connection:
                         connection.sendall(str(code if code >= 0 else 128 - code).encode())
 
-    def _hung_up(self, connection: object) -> None:
+    def _kill_fork_after_hang_up(self, connection: object) -> None:
         """Kill the fork of a job that has ended."""
         for pid, job in list(self.running.items()):
             if job.connection is connection:

@@ -6,7 +6,7 @@ import os
 import socket
 from collections.abc import Sequence
 
-ADDRESS_VARIABLE = "BLUEKOI_PRELOADED"
+ADDRESS_ENVIRONMENT_VARIABLE = "BLUEKOI_PRELOADED"
 """Environment variable with the path of the socket that the preloaded process listens on."""
 COMMAND_ENVIRONMENT_VARIABLE = "BLUEKOI_COMMAND"
 """Environment variable with the command that a person gave."""
@@ -35,7 +35,7 @@ def request_stage(words: Sequence[str]) -> int | None:
     socket. None where the preloaded process does not answer (a cluster's node, or it alone was
     killed): the caller then runs the stage itself.
     """
-    address = os.environ.get(ADDRESS_VARIABLE)
+    address = os.environ.get(ADDRESS_ENVIRONMENT_VARIABLE)
     if not address:
         return None
     with socket.socket(socket.AF_UNIX) as connection:

@@ -89,12 +89,12 @@ class Plan:
     @cached_property
     def due(self) -> dict[str, set[str]]:
         """Trials whose results of a stage are missing, damaged or made from other inputs."""
-        keypoints = self._stale("keypoints", set(), self.trials)
-        tracks = self._stale("tracks", keypoints, self.trials)
-        overlay = self._stale("overlay", tracks, self.with_overlay())
+        keypoints = self._due_trials_with_earlier("keypoints", set(), self.trials)
+        tracks = self._due_trials_with_earlier("tracks", keypoints, self.trials)
+        overlay = self._due_trials_with_earlier("overlay", tracks, self.with_overlay())
         return {"keypoints": keypoints, "tracks": tracks, "overlay": overlay}
 
-    def _stale(self, stage: str, before: set[str], ids: list[str]) -> set[str]:
+    def _due_trials_with_earlier(self, stage: str, before: set[str], ids: list[str]) -> set[str]:
         """Trials due in a stage, or in the stage before it."""
         layout, code = ResultPaths(self.results), self.code_fingerprint(stage)
 

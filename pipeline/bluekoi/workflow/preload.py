@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from .forkserver_client import ADDRESS_VARIABLE, BLAS_THREAD_VARIABLES
+from .forkserver_client import ADDRESS_ENVIRONMENT_VARIABLE, BLAS_THREAD_VARIABLES
 from .plan import Plan
 
 DETECTOR_STAGE = "keypoints=compiling_detector"
@@ -20,7 +20,7 @@ FORKSERVER_COMMAND = (sys.executable, "-P", "-m", "bluekoi.workflow.forkserver")
 
 
 class PreloadedProcess:
-    """A process that stages are forked from; jobs find it by the variable ADDRESS_VARIABLE."""
+    """A process that stages are forked from; jobs find it by `ADDRESS_ENVIRONMENT_VARIABLE`."""
 
     def __init__(self, stages: Sequence[str]) -> None:
         address = str(Path(tempfile.mkdtemp(prefix="bluekoi-")) / "socket")
@@ -34,12 +34,12 @@ class PreloadedProcess:
                 pass_fds=[listener.fileno()],
                 env={**dict.fromkeys(BLAS_THREAD_VARIABLES, "1"), **os.environ},
             )
-        os.environ[ADDRESS_VARIABLE] = address
+        os.environ[ADDRESS_ENVIRONMENT_VARIABLE] = address
         atexit.register(self.close)
 
     def close(self) -> None:
         """End the process and its forks."""
-        os.environ.pop(ADDRESS_VARIABLE, None)
+        os.environ.pop(ADDRESS_ENVIRONMENT_VARIABLE, None)
         if self.process.stdin:
             self.process.stdin.close()
         self.process.wait()

@@ -20,7 +20,7 @@ from ..stages.layout import ResultPaths
 from .preload import PreloadedProcess
 from .remaining_time import Timing, duration_text, usual_durations_s
 
-HIDDEN_LOG_LINES = {
+HIDDEN_LOG_EVENTS = {
     LogEvent.WORKFLOW_STARTED,
     LogEvent.RESOURCES_INFO,
     LogEvent.RUN_INFO,
@@ -48,11 +48,11 @@ KILLED_MESSAGE = (
 )
 TRACEBACK_HEADER = "Traceback (most recent call last)"
 INTERRUPT_MESSAGES = ("KeyboardInterrupt", "CancelledError")
-PRINT_EVERY_S = 2.0
+PROGRESS_LINE_INTERVAL_S = 2.0
 """Time between lines of progress."""
 TICK_S = 1.0
 """Time between updates of the line on a terminal."""
-SILENT_S = 30.0
+RUNNING_JOB_NOTE_AFTER_S = 30.0
 """On a file, so long without a job that ends brings a line on the one that runs."""
 FILE_CLOCK_TOLERANCE_S = 2.0  # by so much a file system's clock may lag behind ours
 MAX_WORD_CHARACTERS = 60
@@ -74,13 +74,13 @@ class SnakemakeMessageFilter(logging.Filter):
         first = event == LogEvent.WORKFLOW_STARTED or "shared filesystem" in record.getMessage()
         self.begun = self.begun or first
         quiet = (
-            event in HIDDEN_LOG_LINES
+            event in HIDDEN_LOG_EVENTS
             or record.levelno < logging.WARNING
             or _is_reported_by_progress(record)
         )
-        return not (self.begun and (quiet or self._of_the_stop(record)))
+        return not (self.begun and (quiet or self._is_caused_by_interruption(record)))
 
-    def _of_the_stop(self, record: logging.LogRecord) -> bool:
+    def _is_caused_by_interruption(self, record: logging.LogRecord) -> bool:
         """Whether a reported fault is only Snakemake's way of being interrupted."""
         text = record.getMessage()
         return TRACEBACK_HEADER in text and (self.progress.stopped or _is_user_interrupt(text))
@@ -137,7 +137,7 @@ class SnakemakeProgressHandler(logging.Handler):
         elif event == LogEvent.JOB_FINISHED:
             self._finish(found["job_id"])
         elif event == LogEvent.JOB_ERROR:
-            self._trouble(found)
+            self._report_failed_job(found)
         elif name := signal_that_killed(record.getMessage()):
             self._killed(name)
         elif "cannot be locked" in record.getMessage():
@@ -181,23 +181,25 @@ class SnakemakeProgressHandler(logging.Handler):
 
     def still(self) -> None:
         """Print what runs if nothing was printed for a while."""
-        silent = time.monotonic() - self.last_s > (TICK_S if self.live else SILENT_S)
+        silent = time.monotonic() - self.last_s > (
+            TICK_S if self.live else RUNNING_JOB_NOTE_AFTER_S
+        )
         if silent and self.timing.started and not self.stopped:
             self._line(self.timing.running(), now=True)
 
     def _line(self, name: str, *, now: bool) -> None:
         moment = time.monotonic()
-        if not (self.live or now or moment - self.last_s > PRINT_EVERY_S):
+        if not (self.live or now or moment - self.last_s > PROGRESS_LINE_INTERVAL_S):
             return
         self.last_s = moment
         left = self.timing.remaining_s(moment)
         ends = f"  about {duration_text(left)} left" if left is not None else ""
         head = f"[{self.timing.done}/{self.timing.total}]"
-        text = f"{head} {name}{self._word()}{ends}".rstrip()
+        text = f"{head} {name}{self._last_log_line()}{ends}".rstrip()
         self.stream.write(f"\r\x1b[K{text}" if self.live else text + "\n")
         self.stream.flush()
 
-    def _word(self) -> str:
+    def _last_log_line(self) -> str:
         """Last line that a job that runs has written to its log, after a colon; or nothing."""
         for path, since in reversed(self.logs.values()):
             with contextlib.suppress(OSError):
@@ -208,7 +210,7 @@ class SnakemakeProgressHandler(logging.Handler):
                     return f": {escape_control_characters(words[-1])[:MAX_WORD_CHARACTERS]}"
         return ""
 
-    def _trouble(self, found: dict[str, Any]) -> None:
+    def _report_failed_job(self, found: dict[str, Any]) -> None:
         if self.stopped:
             return  # a person stopped it: no stage is at fault
         paths = [Path(name) for name in found.get("log") or []]

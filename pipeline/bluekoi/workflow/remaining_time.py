@@ -84,9 +84,9 @@ class Timing:
             return sum(times) / len(times)
         every = [t for all_s in self.taken_s.values() for t in all_s]
         usual = self.usual_s.get(rule)
-        return sum(every) / len(every) if usual is None else usual * self._slower()
+        return sum(every) / len(every) if usual is None else usual * self._slowdown_factor()
 
-    def _slower(self) -> float:
+    def _slowdown_factor(self) -> float:
         """Time that jobs took over what was usual: another machine, or a busy one."""
         both = [(sum(t) / len(t), self.usual_s[r]) for r, t in self.taken_s.items()
                 if self.usual_s.get(r)]  # fmt: skip

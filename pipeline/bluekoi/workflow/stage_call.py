@@ -62,7 +62,11 @@ def run_stage(words: Sequence[str]) -> int:
     logging.getLogger("bluekoi").setLevel(logging.INFO)  # shown in the run's line of progress
     function = getattr(import_module(f"bluekoi.stages.{options.name}"), options.name)
     try:
-        code = run_trials(function, options) if options.trials else _run_measured(function, options)
+        code = (
+            run_trials(function, options)
+            if options.trials
+            else _call_with_accepted_options(function, options)
+        )
         if code in (0, EXIT_SOME_TRIALS_FAILED):
             _write_usage(options, time.monotonic() - start_s)
     except InputError as error:
@@ -71,7 +75,9 @@ def run_stage(words: Sequence[str]) -> int:
     return code
 
 
-def _run_measured(function: StageFunction, options: argparse.Namespace, **more: Any) -> int:
+def _call_with_accepted_options(
+    function: StageFunction, options: argparse.Namespace, **more: Any
+) -> int:
     takes, given = inspect.signature(function).parameters, {**vars(options), **more}
     lines = function(**{key: value for key, value in given.items() if key in takes})
     sys.stderr.writelines(f"{line}\n" for line in lines or [])
@@ -84,7 +90,11 @@ def run_trials(function: StageFunction, options: argparse.Namespace) -> int:
     Of several trials each has a fork of this process, so that one whose process is killed costs the
     others nothing.
     """
-    run = _run_in_fork if len(options.trials) > 1 and _can_fork_safely() else _run_measured
+    run = (
+        _run_in_fork
+        if len(options.trials) > 1 and _can_fork_safely()
+        else _call_with_accepted_options
+    )
     layout, codes = ResultPaths(options.results), [0]
     study = load_study(options.study, only=options.trials[0] if len(options.trials) == 1 else None)
     for number, name in enumerate(options.trials, 1):
@@ -109,7 +119,7 @@ def _can_fork_safely() -> bool:
 
 def _run_in_fork(function: StageFunction, options: argparse.Namespace, **more: Any) -> int:
     if not (pid := os.fork()):
-        exit_with_code_of(lambda: _run_measured(function, options, **more))
+        exit_with_code_of(lambda: _call_with_accepted_options(function, options, **more))
     code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
     return code if code >= 0 else 128 - code
 

@@ -40,12 +40,13 @@ def outdated_stages(plan: Plan, hashes: Mapping[str, str]) -> list[str]:
     A figure's name follows a slash.
     """
     try:
-        made_from = read_json(_record(plan))
+        made_from = read_json(_input_record_path(plan))
     except InputError:
         made_from = {}
     return [
         stage for stage, now in hashes.items()
-        if made_from.get(stage) != now and any(p.is_file() for p in _products(plan.results, stage))
+        if made_from.get(stage) != now
+        and any(p.is_file() for p in _result_files_of_stage(plan.results, stage))
     ]  # fmt: skip
 
 
@@ -53,8 +54,8 @@ def remove_outdated_results(plan: Plan) -> None:
     """Remove the results of outdated stages, so that they are made again; record the inputs."""
     hashes = stage_input_hashes(plan)
     for stage in outdated_stages(plan, hashes):
-        remove_files(_products(plan.results, stage))
-    write_json(_record(plan), hashes)
+        remove_files(_result_files_of_stage(plan.results, stage))
+    write_json(_input_record_path(plan), hashes)
 
 
 def remove_results_of_other_trials(plan: Plan) -> None:
@@ -65,11 +66,11 @@ def remove_results_of_other_trials(plan: Plan) -> None:
         remove_files(stale)
 
 
-def _record(plan: Plan) -> Path:
+def _input_record_path(plan: Plan) -> Path:
     return plan.results / "status" / "stages" / "inputs.json"
 
 
-def _products(results: Path, stage: str) -> list[Path]:
+def _result_files_of_stage(results: Path, stage: str) -> list[Path]:
     layout = ResultPaths(results)
     own = {
         "geometry": [layout.geometry],

@@ -11,13 +11,13 @@ from matplotlib.lines import Line2D
 from ...campaign import Campaign
 from ...data import Float
 from ...study import Trial
-from .groups import angles_deg, head_lengths, head_name, turning_trials
+from .groups import angles_deg, head_length_label, head_lengths, turning_trials
 from .style import Style, placeholder
 
 LINE_STYLES = ("-", "--", ":", "-.")
 
 
-def compared_angle_deg(campaign: Campaign) -> float:
+def head_angle_with_most_lengths_deg(campaign: Campaign) -> float:
     """Head angle tested with most head lengths, the larger one at a tie; NaN without turns."""
     found = turning_trials(campaign)
     if not found:
@@ -91,5 +91,5 @@ def _dash_patterns(
     """Dash pattern and label of each head angle or head length."""
     trials = list(trials)
     values = angles_deg(trials) if vary == "angle" else head_lengths(campaign)
-    labels = [f"{v:g}°" if vary == "angle" else head_name(campaign, v) for v in values]
+    labels = [f"{v:g}°" if vary == "angle" else head_length_label(campaign, v) for v in values]
     return {v: (LINE_STYLES[i % 4], w) for i, (v, w) in enumerate(zip(values, labels, strict=True))}

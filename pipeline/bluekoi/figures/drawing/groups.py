@@ -44,7 +44,7 @@ def head_lengths(campaign: Campaign) -> tuple[float, ...]:
     return tuple(sorted({trial.head_length_m for trial in campaign.study.trials}))
 
 
-def head_name(campaign: Campaign, head_length_m: float) -> str:
+def head_length_label(campaign: Campaign, head_length_m: float) -> str:
     """Head length in the paper's notation: `1.5x head`."""
     ratio = head_length_m / campaign.study.setup.robot.head_length_m
     return f"{round(ratio, 1):g}x head"

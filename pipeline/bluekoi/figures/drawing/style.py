@@ -32,7 +32,7 @@ RC_PARAMS: dict[str, Any] = {
 
 # Okabe and Ito (2008): distinguishable with the common colour vision deficiencies
 COLOURS = ("#0072B2", "#009E73", "#D55E00", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+PLOT_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 MEASURED_COLOUR, BEFORE_COLOUR, AFTER_COLOUR = "#20262e", "#D55E00", "#0072B2"
 """Colours of measured data, baseline model and extended model."""
 DIVERGING_COLOURMAP = "RdBu_r"
@@ -58,7 +58,10 @@ def power_styles(powers: Iterable[float]) -> dict[float, Style]:
         colours = list(COLOURS[: len(listed)])
     else:
         colours = [to_hex(colormaps["cividis"](i / (len(listed) - 1))) for i in range(len(listed))]
-    return {power: Style(colours[i], MARKERS[i % len(MARKERS)]) for i, power in enumerate(listed)}
+    return {
+        power: Style(colours[i], PLOT_MARKERS[i % len(PLOT_MARKERS)])
+        for i, power in enumerate(listed)
+    }
 
 
 def panel_letter(axes: Axes, name: str) -> None:

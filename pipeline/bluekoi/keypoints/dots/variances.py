@@ -11,7 +11,7 @@ from scipy.ndimage import median_filter
 
 from ...data import Float
 from ...data.keypoint_quality import is_confident
-from ..files.noise import white_noise_px
+from ..files.noise import frame_to_frame_noise_std_px
 
 RIGID_PARTS = ("head_tip", "hinge", "core_center", "tail_base")
 TREND_FRAMES = 31
@@ -42,7 +42,10 @@ def dot_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Floa
         sums[row, list(pair)] = 1.0
     if np.linalg.matrix_rank(sums[known]) < len(rigid):
         return np.array(
-            [white_noise_px(xy[:, k], likelihood[:, k]) ** 2 for k in range(len(names))]
+            [
+                frame_to_frame_noise_std_px(xy[:, k], likelihood[:, k]) ** 2
+                for k in range(len(names))
+            ]
         )
     found = np.linalg.lstsq(sums[known], scatter[known], rcond=None)[0]
     variance = np.full(len(names), float(np.median(found)))

@@ -16,7 +16,7 @@ MIN_FRAMES = 12
 OUTLIER_SIGMAS = 6.0
 
 
-def white_noise_px(xy_px: Float, likelihood: Float) -> float:
+def frame_to_frame_noise_std_px(xy_px: Float, likelihood: Float) -> float:
     """Standard deviation of the frame-to-frame noise of one part, px, one number for x and y.
 
     The k-th difference of white noise has variance C(2k, k) sigma^2, while a motion at angular

@@ -17,7 +17,7 @@ TEXT_BYTES = 512
 """A file whose first bytes are all printable is text."""
 
 
-def not_h5(path: Path) -> str:
+def format_if_not_h5(path: Path) -> str:
     """What a file is that is certainly no h5: a workbook or text; "" for others."""
     kind = binary_format(path)
     if kind:
@@ -31,7 +31,7 @@ def not_h5(path: Path) -> str:
 @contextmanager
 def open_h5(path: Path) -> Iterator[Any]:
     """An open h5 file; what goes wrong while reading it becomes a InputError that names it."""
-    if kind := not_h5(path):
+    if kind := format_if_not_h5(path):
         raise input_error(
             path, "", kind, "a DeepLabCut or SLEAP h5", "Its ending must be that of its format."
         )

@@ -18,7 +18,7 @@ from ...data import (
     is_confident,
 )
 from ...errors import did_you_mean, input_error
-from .noise import white_noise_px
+from .noise import frame_to_frame_noise_std_px
 
 IndividualAndPart = tuple[str, str]
 MAX_COORDINATE_PX = 1e6
@@ -203,7 +203,7 @@ def to_keypoints(
         _uncertain_points(likelihood, min_likelihood), MIN_KEYPOINT_LIKELIHOOD, likelihood
     )
     variance = np.array(
-        [white_noise_px(xy[:, i], likelihood[:, i]) ** 2 for i in range(len(order))]
+        [frame_to_frame_noise_std_px(xy[:, i], likelihood[:, i]) ** 2 for i in range(len(order))]
     )
     cov = np.where(np.isfinite(xy[..., :1, None]), variance[:, None, None] * np.eye(2), np.nan)
     left_out = (likelihood >= min_likelihood) & ~is_confident(likelihood)

@@ -56,13 +56,13 @@ def learn_template(
     half = 1.1 * area / length + 1.5 * arena.factor / px_per_bl
     shape = BendingTemplate(length, half, np.zeros((STATIONS_ALONG, STATIONS_ACROSS)), arena.skin)
     pairs = [(p, poses[0]) for p, b in seen if (poses := candidate_poses(b, arena.plane, length))]
-    shape = _with_median_coverage(shape, pairs, arena)
+    shape = _template_with_median_coverage(shape, pairs, arena)
     for turn in range(LEARNING_ROUNDS):
         fits = [(p, *_best_fit(p, shape, arena, pose, turned=turn == 0)) for p, pose in pairs]
         pairs = [(p, pose) for p, pose, support in fits if support > MIN_LEARNING_SUPPORT_SHARE]
         if len(pairs) < 2:
             return None
-        shape = _with_median_coverage(shape, pairs, arena)
+        shape = _template_with_median_coverage(shape, pairs, arena)
         if turn < LEARNING_ROUNDS - 1:
             shape, pairs = _rescale_to_body_ends(shape, pairs, arena)
     last = [fit_to_image(picture, shape, arena, pose) for picture, pose in pairs]
@@ -99,7 +99,7 @@ def _rescale_to_body_ends(
     arc = np.linspace(nose, tip, STATIONS_ALONG)
     poses = [pose_from_midline(midline(pose, shape.length_bl, arc)[0], length) for _, pose in pairs]
     renewed = [(picture, pose) for (picture, _), pose in zip(pairs, poses, strict=True)]
-    return _with_median_coverage(replace(shape, length_bl=length), renewed, arena), renewed
+    return _template_with_median_coverage(replace(shape, length_bl=length), renewed, arena), renewed
 
 
 def _typical_blobs(seen: list[tuple[ReducedImage, Blob]]) -> list[tuple[ReducedImage, Blob]]:
@@ -128,7 +128,7 @@ def fit_to_image(
     return fit_midline_pose(seen, shape.tables, shape.size, pose, tolerance)
 
 
-def _with_median_coverage(
+def _template_with_median_coverage(
     shape: BendingTemplate, fits: Sequence[tuple[ReducedImage, Float]], arena: BackgroundModel
 ) -> BendingTemplate:
     """Shape whose coverage is the median over fits and both sides."""

@@ -25,14 +25,16 @@ MIN_STD_PX = 0.03
 LENGTH_STD_SHARE = 0.02
 """Standard deviation of the positions of nose and tail tip along the body, as a share of its
 length; zero at the reference arc, proportional to the distance from it."""
-VARIANCE_INFLATION = 3.0
+CORRELATED_STATION_VARIANCE_RATIO = 3.0
 """Ratio of a pose's variance to that for independent stations; errors of neighbouring stations are
 correlated. Measured on rendered bodies (tests)."""
 TAIL_SUPPORT_RANGE, SEEN_SHARE_RANGE = (0.0, 0.55), (0.4, 0.8)
 DOUBTFUL_LIKELIHOOD = 0.5
-BACKWARDS_MOTION_SHARE = -0.3
+MIN_FORWARD_MOTION_SHARE = -0.3
 MAX_JUMP_LENGTHS, MAX_JUMP_RAD = 0.25, 1.0
-THIRDS_OF_KEYPOINT = np.array([[1, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 1, 1]], dtype=bool)
+BODY_THIRDS_OF_KEYPOINTS = np.array(
+    [[1, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 1, 1]], dtype=bool
+)
 
 
 def keypoint_arcs(robot: Robot, trial: Trial) -> Float:
@@ -69,7 +71,7 @@ def keypoints_from_fits(
     remarks: list[str] = []
     if known:
         where, fits = [i for i, _ in known], [one for _, one in known]
-        backwards = _forward_motion_share(fits, shape) < BACKWARDS_MOTION_SHARE
+        backwards = _forward_motion_share(fits, shape) < MIN_FORWARD_MOTION_SHARE
         arc = 1 - arc if backwards else arc
         xy[where], cov[where] = _pixels_and_covariances(fits, arena, shape, arc)
         each = np.array([_keypoint_likelihoods(one, backwards=backwards) for one in fits])
@@ -106,11 +108,13 @@ def _pixels_and_covariances(
 ) -> tuple[Float, Float]:
     """Pixels (n, 5, 2) and covariances (n, 5, 2, 2) of fits."""
     bend, *_ = shape.tables
-    meat = VARIANCE_INFLATION * np.mean([one.meat for one in fits if one.support[3] > 0.5] or
-                                [one.meat for one in fits], axis=0)  # fmt: skip
+    supported = [one.meat for one in fits if one.support[3] > 0.5]
+    meat = CORRELATED_STATION_VARIANCE_RATIO * np.mean(
+        supported or [one.meat for one in fits], axis=0
+    )
     xy, cov = np.empty((len(fits), len(arc), 2)), np.empty((len(fits), len(arc), 2, 2))
     for i, one in enumerate(fits):
-        place, slope = _positions_and_pose_slopes(one, shape, bend, arc)
+        place, slope = _positions_and_pose_jacobians(one, shape, bend, arc)
         xy[i] = arena.plane.pixels(place)
         ridge = 1e-3 * np.diag(np.diag(one.information))
         gain = np.linalg.pinv(one.information + ridge)
@@ -132,7 +136,7 @@ def _pixels_and_covariances(
     return xy, cov
 
 
-def _positions_and_pose_slopes(
+def _positions_and_pose_jacobians(
     one: MidlineFit, shape: BendingTemplate, bend: Float, arc: Float
 ) -> tuple[Float, Float]:
     """Places (5, 2) and slopes (5, 2, 3 + BEND_TERMS) of arcs by the pose in body axes."""
@@ -161,5 +165,5 @@ def _keypoint_likelihoods(one: MidlineFit, *, backwards: bool) -> Float:
     ]
     thirds = np.minimum(supported, [likelihood_of_support(share, SEEN_SHARE_RANGE)
                                     for share in visible])  # fmt: skip
-    parts = np.array([thirds[own].min() for own in THIRDS_OF_KEYPOINT])
+    parts = np.array([thirds[own].min() for own in BODY_THIRDS_OF_KEYPOINTS])
     return likelihood_of_support(whole) * likelihood_of_support(seen, SEEN_SHARE_RANGE) * parts

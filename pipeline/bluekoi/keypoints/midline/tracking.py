@@ -31,7 +31,7 @@ SEARCH_RADIUS_LENGTHS, SEARCH_RADIUS_GROWTH_LENGTHS = 0.8, 0.25
 NEIGHBOUR_DISTANCE_LENGTHS = 1.3
 NEIGHBOUR_TRACKING_RADIUS_LENGTHS = 4.0
 START_HEADINGS, START_TOLERANCE_LENGTHS = 16, 0.12
-MASKED_COVERAGE = 0.15
+MIN_MASKED_COVERAGE = 0.15
 MIN_NEW_TRACK_SCORE = 0.7
 
 
@@ -220,7 +220,9 @@ def _mask_other_bodies(
 ) -> ReducedImage:
     """The reduced image; pixels that other bodies cover get depth NaN."""
     depth = picture.depth.copy()
-    row = (shape.cover > MASKED_COVERAGE).sum(axis=1) / (STATIONS_ACROSS - 1) * 2 * shape.half_bl
+    row = (
+        (shape.cover > MIN_MASKED_COVERAGE).sum(axis=1) / (STATIONS_ACROSS - 1) * 2 * shape.half_bl
+    )
     radius = 0.5 * row * arena.plane.px_per_bl / arena.factor
     kept = np.flatnonzero(radius > 0)
     arc = np.linspace(0, 1, len(row))[kept]

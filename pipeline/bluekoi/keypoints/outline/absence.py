@@ -17,7 +17,9 @@ MIN_ROBOT_LENGTH_PX = 40.0
 EXTENT_RATIO_RANGE = (0.6, 1.7)
 
 
-def absence_reason(images: Sequence[LumaPicture], plane: SwimmingPlaneMap, length_bl: float) -> str:
+def robot_not_found_reason(
+    images: Sequence[LumaPicture], plane: SwimmingPlaneMap, length_bl: float
+) -> str:
     """The likely reason with its numbers, and a remedy.
 
     length_bl: nose to caudal base, body lengths.

@@ -62,7 +62,7 @@ def in_body_lengths(robot: Robot, length_m: float) -> float:
     return round(length_m / robot.body_length_m, 12)
 
 
-def swimming_plane(setup: StudySettings) -> SwimmingPlaneMap:
+def swimming_plane_map(setup: StudySettings) -> SwimmingPlaneMap:
     """Plane at the keypoints' depth from lens and pool corners; at the marks without a lens."""
     sides = np.array([in_body_lengths(setup.robot, side)
                       for side in (setup.pool.length_m, setup.pool.width_m)])  # fmt: skip
@@ -155,12 +155,16 @@ def _project_to_pixels(setup: StudySettings, sides: Float, xy: Float) -> Float:
     )
     eye = -turn.T @ shift
     depth_bl = in_body_lengths(setup.robot, setup.robot.keypoint_depth_m)
-    surface = _refraction_points(xy, eye[:2], eye[2], (depth_bl, setup.water.refractive_index))
+    surface = _surface_crossing_points(
+        xy, eye[:2], eye[2], (depth_bl, setup.water.refractive_index)
+    )
     inside = np.column_stack([surface, np.zeros(len(surface))]) @ turn.T + shift
     return _apply_lens(camera, inside)
 
 
-def _refraction_points(xy: Float, foot: Float, height: float, water: tuple[float, float]) -> Float:
+def _surface_crossing_points(
+    xy: Float, foot: Float, height: float, water: tuple[float, float]
+) -> Float:
     """Where on the surface (n, 2) the ray from a point at depth leaves towards the camera."""
     depth, index = water
     offset = xy - foot

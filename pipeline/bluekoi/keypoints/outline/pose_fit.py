@@ -15,8 +15,8 @@ from .plane import horner
 OutlineArrays = tuple[Float, Float, npt.NDArray[np.int64], Float]
 MAX_EXTRA_ITERATIONS = 5
 GRADIENT_NEIGHBOURS = 2
-CONVERGED_PX = 0.1
-CONVERGED_RAD = 0.001
+POSE_CONVERGENCE_PX = 0.1
+POSE_CONVERGENCE_RAD = 0.001
 
 
 @njit(cache=True, error_model="numpy")
@@ -155,7 +155,7 @@ def fit_outline_pose(
         offset, slope = measure_edge_offsets(pictures, maps, shape, here, reaches[min(turn, last)])
         scale = math.hypot(slope[0, 0], slope[0, 1])
         moved = scale * math.hypot(change[0], change[1])
-        if turn >= last and moved < CONVERGED_PX and abs(change[2]) < CONVERGED_RAD:
+        if turn >= last and moved < POSE_CONVERGENCE_PX and abs(change[2]) < POSE_CONVERGENCE_RAD:
             break
     return here, offset - wider, weight, slope
 

@@ -10,7 +10,13 @@ import numpy as np
 from ...data import Float, Frame
 from .edges import interpolate_where
 from .pose_fit import OutlineArrays, measure_edge_offsets
-from .template import CORE_STATIONS, HEAD_STATIONS, OutlineTemplate, nan_median, station_contrast
+from .template import (
+    CORE_STATION_COUNT,
+    HEAD_STATION_COUNT,
+    OutlineTemplate,
+    nan_median,
+    station_contrast,
+)
 from .tracking import DetectionScene, OutlineFit
 
 INSIDE_DEPTHS_PX = (2.5, 4.5)
@@ -28,7 +34,7 @@ def measure_stations(
     """Offsets [body lengths] and grey levels inside (frames, stations), NaN where not seen."""
     visible = template.visible_stations()
     shape = template.shape()
-    count = 2 * (HEAD_STATIONS + CORE_STATIONS)
+    count = 2 * (HEAD_STATION_COUNT + CORE_STATION_COUNT)
     offsets = np.full((len(fits), count), np.nan)
     greys = np.full((len(INSIDE_DEPTHS_PX), len(fits), count), np.nan)
     for row, (frame, one) in enumerate(fits):

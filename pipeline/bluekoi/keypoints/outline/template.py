@@ -20,8 +20,8 @@ from .pose_fit import OutlineArrays
 
 HEAD_PART, CORE_PART = 0, 1
 HEAD_ORIGIN_SHARE = 0.55
-CORE_STATIONS = 36
-HEAD_STATIONS = 25
+CORE_STATION_COUNT = 36
+HEAD_STATION_COUNT = 25
 CORE_END_SHARE = 0.03
 
 
@@ -29,11 +29,11 @@ CORE_END_SHARE = 0.03
 class OutlineTemplate:
     """Outline in body lengths (nose to caudal base with the standard head).
 
-    angles, radii: (HEAD_STATIONS,) polar outline of the head about (HEAD_ORIGIN_SHARE head_bl, 0),
-    angle 0 at the nose. along, half: (CORE_STATIONS,) x <= 0 and half-width of the core. head_skin,
-    core_skin: grey levels at the stations of both sides (2, stations). joint_bl: radius about the
-    hinge in which no edge is searched. biased: stations (both parts and sides) whose edge is not
-    the outline, for example beside an eye.
+    angles, radii: (HEAD_STATION_COUNT,) polar outline of the head about (HEAD_ORIGIN_SHARE
+    head_bl, 0), angle 0 at the nose. along, half: (CORE_STATION_COUNT,) x <= 0 and half-width of
+    the core. head_skin, core_skin: grey levels at the stations of both sides (2, stations).
+    joint_bl: radius about the hinge in which no edge is searched. biased: stations (both parts and
+    sides) whose edge is not the outline, for example beside an eye.
     """
 
     head_bl: float
@@ -128,8 +128,8 @@ def initial_template(
     """Template of the robot's lengths and one half-width: an egg and a taper, to begin with."""
     head_bl = in_body_lengths(robot, trial.head_length_m)
     core_bl = robot_length_bl(robot, trial) - head_bl
-    angles = np.linspace(0.0, 0.80 * np.pi, HEAD_STATIONS)
-    share = np.linspace(0.0, 1.0 - CORE_END_SHARE, CORE_STATIONS)
+    angles = np.linspace(0.0, 0.80 * np.pi, HEAD_STATION_COUNT)
+    share = np.linspace(0.0, 1.0 - CORE_END_SHARE, CORE_STATION_COUNT)
     end = 0.25 * half_width_bl
     return OutlineTemplate(
         head_bl=head_bl,
@@ -140,10 +140,10 @@ def initial_template(
         radii=_blunt_head_radii(angles, head_bl, half_width_bl),
         along=-share * core_bl,
         half=end + (half_width_bl - end) * (1 - share**1.7),
-        head_skin=np.full((2, HEAD_STATIONS), skin),
-        core_skin=np.full((2, CORE_STATIONS), skin),
+        head_skin=np.full((2, HEAD_STATION_COUNT), skin),
+        core_skin=np.full((2, CORE_STATION_COUNT), skin),
         joint_bl=1.22 * half_width_bl,
-        biased=np.zeros(2 * (HEAD_STATIONS + CORE_STATIONS), bool),
+        biased=np.zeros(2 * (HEAD_STATION_COUNT + CORE_STATION_COUNT), bool),
     )
 
 
@@ -164,7 +164,7 @@ def with_learned_outline(
     the same shape. blur_bl: of the pictures, rms. The nose stays at the head's length, less what
     blur takes of it: what the whole head moved along its axis is taken back.
     """
-    h, c = HEAD_STATIONS, CORE_STATIONS
+    h, c = HEAD_STATION_COUNT, CORE_STATION_COUNT
     parts = (offsets_bl[:, :h], offsets_bl[:, h : 2 * h], offsets_bl[:, 2 * h : 2 * h + c])
     core_right = offsets_bl[:, 2 * h + c :]
     head = _binomial_smoothed(_median_over_sides(parts[0], parts[1]))
@@ -189,7 +189,7 @@ def station_contrast(greys: Float, floor: float) -> Float:
     greys: (frames, stations of both parts and sides). Neighbours are taken together, so that
     noise in a few frames is no difference.
     """
-    h, c = HEAD_STATIONS, CORE_STATIONS
+    h, c = HEAD_STATION_COUNT, CORE_STATION_COUNT
     head_left, head_right, core_left, core_right = np.split(greys, [h, 2 * h, 2 * h + c], axis=1)
     head = np.abs(_binomial_smoothed(_median_over_sides(head_left - floor, head_right - floor)))
     core = np.abs(_binomial_smoothed(_median_over_sides(core_left - floor, core_right - floor)))

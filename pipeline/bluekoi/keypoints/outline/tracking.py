@@ -75,7 +75,7 @@ def search_ranges_px(scene: DetectionScene, *sizes_bl: float) -> npt.NDArray[np.
     return np.array([min(p, 40) for p in px], dtype=np.int64)
 
 
-def tolerance_px(scene: DetectionScene) -> float:
+def edge_support_tolerance_px(scene: DetectionScene) -> float:
     """How far from the template an edge may lie and still support it."""
     return max(1.0, 0.0073 * scene.plane.px_per_bl)
 
@@ -98,7 +98,7 @@ def fit_template_to_frame(
     pose, offset, weight, slope = fit_outline_pose(
         (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR_PRECISION, width_px)
     )
-    limits = (tolerance_px(scene), NEARNESS_RANGE_BL * scene.plane.px_per_bl)
+    limits = (edge_support_tolerance_px(scene), NEARNESS_RANGE_BL * scene.plane.px_per_bl)
     found = (offset, weight, slope)
     information, share = information_and_edge_support(found, shape[2], pose[2], limits)
     signs = (

@@ -58,11 +58,11 @@ def frame_quadratic_forms(
     found: offsets left (n,) px, weights (n,), slopes (n, 5) in pool axes. heading: rad, of the
     core. prior: (5,) information of the fit's prior. known: (K, n, n) kernels.
     """
-    return FrameQuadraticForms(*_summed_products(found, heading, np.diag(prior), known))
+    return FrameQuadraticForms(*_summed_quadratic_forms(found, heading, np.diag(prior), known))
 
 
 @njit(cache=True, error_model="numpy")
-def _summed_products(
+def _summed_quadratic_forms(
     found: tuple[Float, Float, Float], heading: float, prior: Float, known: Float
 ) -> tuple[Float, Float, Float]:
     """Forms, expected, spread of `FrameQuadraticForms`."""

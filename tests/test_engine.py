@@ -26,11 +26,13 @@ from bluekoi.engine import (
     insignificant_causes,
     named_causes,
     posterior_over_sets,
+    search,
     search_cause_sets,
     set_score,
     strength_estimates,
 )
 from bluekoi.engine.calibration import calibrated_probability, calibrated_shares_of_alternatives
+from bluekoi.engine.candidates import Candidate
 from bluekoi.engine.collinear_terms import collinear_terms
 from bluekoi.engine.evidence import laplace_log_evidence, log_evidence
 from bluekoi.engine.expansion import expand_likelihood_in_all_forms, one_step_strength_estimates
@@ -259,6 +261,48 @@ def test_the_causes_that_act_and_no_others_are_probable(k: float, F0: float, tru
     assert {name for name, p in found.inclusion.items() if p > 0.5} == true
     assert all(found.inclusion[name] > 0.95 for name in true)
     assert found.probability.sum() == pytest.approx(1.0)
+
+
+def test_a_cause_is_fitted_in_place_of_all_residual_terms_of_its_kind(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Two terms stand for a fin and another cause; the fin alone describes less than both terms."""
+    sources = {"residual.a": {("sway", "r")}, "residual.b": {("yaw", "v")},
+               "fin": {("sway", "r"), ("yaw", "v")}, "sag": {("surge", "t")},
+               "lag": {("yaw", "t")}}  # fmt: skip
+    candidates = {n: Candidate(n, "residual" if "." in n else "physics", (), (), 0.1, frozenset(s))
+                  for n, s in sources.items()}  # fmt: skip
+    problem = SimpleNamespace(by_name=candidates, candidates=tuple(candidates.values()),
+                              collinear_terms=())  # fmt: skip
+    visited = SimpleNamespace(problem=problem, sets={}, expansion=lambda scored: scored)
+    fitted: list[tuple[tuple[str, ...], str]] = []
+
+    def add(causes: Sequence[str], near: object, start: object = None, **_: bool) -> object:
+        scored = SimpleNamespace(causes=tuple(causes), model=SimpleNamespace(key=frozenset(causes)))
+        fitted.append((tuple(sorted(causes)), "+".join(sorted(near.key))))
+        visited.sets[frozenset(causes)] = scored
+        return scored
+
+    visited.add = add
+    monkeypatch.setattr(search, "rank_further_causes",
+                        lambda _, __, among: [(1.0, c.name) for c in among])  # fmt: skip
+    monkeypatch.setattr(search, "_start_of_further_cause", lambda *_: {})
+    monkeypatch.setattr(search, "_fit_further_causes",
+                        lambda v, s, _: v.add((*s.causes, "sag"), s.model))  # fmt: skip
+    best = SimpleNamespace(causes=("residual.a", "residual.b", "lag"),
+                           model=SimpleNamespace(key=frozenset()))  # fmt: skip
+    search._fit_causes_in_place_of_residual_terms(visited, best)
+    assert fitted == [
+        (("lag",), ""),
+        (("fin", "lag"), "lag"),
+        (("fin", "lag", "sag"), "fin+lag"),
+        (("fin", "lag", "sag"), "lag"),
+    ]
+    fitted.clear()
+    search._fit_causes_in_place_of_residual_terms(
+        visited, SimpleNamespace(causes=("fin",), model=best.model)
+    )
+    assert fitted == []
 
 
 def test_a_set_is_at_least_as_likely_as_its_parts() -> None:

@@ -9,10 +9,12 @@ V^(3/2) (p = 3/2). In creeping flow it grows as V, and in a turbulent boundary l
 drag vanishes at rest.
 
 The part h of the drag acts at the head plate, at the distance l ahead of the centre of mass, like
-all drag in the paper. The rest acts at the centre of mass.
+all drag in the paper. The rest acts at the centre of mass. The part c of the sideways drag is left
+where flow along the body and across it are apart: with c = 0, the drag acts along the core alone.
 
 Source: Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5 (laminar plate friction) and
-ch. 18 (turbulent).
+ch. 18 (turbulent); Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control (2011), sec.
+6.4 (linear damping in surge, X_u).
 """
 
 from __future__ import annotations
@@ -38,19 +40,24 @@ EFFECT_PARAMETERS = (
               spread=0.25, symbol="p"),
     Parameter("head_share", "1", 0.0, 0.0, 1.0, "part of it that acts at the head",
               spread=0.5, symbol="h"),
+    Parameter("sideways_share", "1", 1.0, 0.0, 1.0, "part of the sideways drag that acts",
+              spread=0.5, symbol="c"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {
     "V": {"speed_exponent": 1.0},
     "V^(3/2)": {},
     "V^1.8": {"speed_exponent": 1.8},
     "at the head": {"head_share": 1.0},
+    "along the core": {"sideways_share": 0.0},
+    "X_u u": {"speed_exponent": 1.0, "sideways_share": 0.0},
 }
 
 
 def force(
-    l: float, uc: float, vc: float, V: float, speed_unit: float, k: float, p: float, h: float
-) -> tuple[float, float, float]:
+    l: float, uc: float, vc: float, V: float, speed_unit: float, k: float, p: float, h: float,
+    c: float,
+) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N) and yaw (N m)."""
     V_1 = 0.3 * speed_unit
     s = -k * math.sqrt(V_1) * branchless_power(max(V, 1e-9) / V_1, p - 1.0)
-    return s * uc, s * vc, h * l * s * vc
+    return s * uc, c * s * vc, h * l * c * s * vc

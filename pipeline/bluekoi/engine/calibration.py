@@ -16,12 +16,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from .posterior import BOOTSTRAP_SAMPLES
+from .posterior import CAUSE_POSTERIOR_BOOTSTRAP_SAMPLES
 
 LOG_ODDS_CALIBRATION_SLOPE = 0.36
 """b, from 227 names in 187 studies of nine independent generators, each analysed before its truth
 was looked at: `python -m validation calibration-slope` estimates it from validation/results."""
-MAX_POSTERIOR = 1.0 - 0.5 / BOOTSTRAP_SAMPLES
+MAX_POSTERIOR = 1.0 - 0.5 / CAUSE_POSTERIOR_BOOTSTRAP_SAMPLES
 """Resolution of an average over bootstrap samples; a probability nearer to 1 counts as this one."""
 
 

@@ -29,7 +29,8 @@ less likely has ended at a worse maximum: it is repeated from where the further 
 MAX_LOG_ODDS_TO_REFIT_NESTED = float(np.log(3000))
 """As `MAX_LOG_ODDS_TO_REFIT`, for a set that adds a cause to a probable set and whose fit began at
 the final noise of that set. Left as it is, it has posterior odds below 1 / 3000; that changes a
-probability by a fiftieth of its Monte Carlo error (`posterior.BOOTSTRAP_SAMPLES`)."""
+probability by a fiftieth of its Monte Carlo error
+(`posterior.CAUSE_POSTERIOR_BOOTSTRAP_SAMPLES`)."""
 
 
 @dataclass

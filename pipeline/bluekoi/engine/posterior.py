@@ -22,7 +22,7 @@ from ..data import Float
 from .problem import CauseSearchProblem
 from .set_score import ScoredCauseSet
 
-BOOTSTRAP_SAMPLES = 1000
+CAUSE_POSTERIOR_BOOTSTRAP_SAMPLES = 1000
 """Bootstrap samples: the Monte Carlo standard error of a probability is at most (1/4 / 1000)^1/2 =
 0.016.
 """
@@ -52,7 +52,7 @@ class Posterior:
 def posterior_over_sets(
     problem: CauseSearchProblem,
     sets: Sequence[ScoredCauseSet],
-    draws: int = BOOTSTRAP_SAMPLES,
+    draws: int = CAUSE_POSTERIOR_BOOTSTRAP_SAMPLES,
     max_log_odds: float = MAX_LOG_ODDS_KEPT,
 ) -> Posterior:
     """`Posterior` over the fitted sets; draws: bootstrap samples. max_log_odds: log odds against

@@ -167,6 +167,7 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
             less = visited.add(rest, best.model, refit=True)
             if less is not None:
                 _fit_further_causes(visited, less, REPLACEMENTS_PER_SET)
+        _fit_causes_in_place_of_residual_terms(visited, best)
         visited.converge()
         _refit_with_shared_noise(visited)
     return visited
@@ -224,6 +225,36 @@ def _fit_further_causes(
                 scored.model,
                 _start_of_further_cause(visited, expansion, name),
             )
+
+
+def _fit_causes_in_place_of_residual_terms(
+    visited: FittedCauseSets, scored: ScoredCauseSet
+) -> None:
+    """Fit the causes that make a force of the kind of a set's residual terms, in place of all of
+    two terms or more, and what is promising beside each.
+
+    Two terms may describe what is one cause with another one beside it. No step that replaces one
+    term comes to that set, if the cause alone describes less than both terms. The fit with the
+    other one begins both at the cause alone, which may be bent to describe the whole, and at the
+    set without either.
+    """
+    problem = visited.problem
+    terms = [problem.by_name[c] for c in scored.causes if problem.by_name[c].is_residual]
+    rest = tuple(c for c in scored.causes if not problem.by_name[c].is_residual)
+    less = visited.add(rest, scored.model, refit=True) if len(terms) > 1 else None
+    if less is None:
+        return
+    expansion = visited.expansion(less)
+    alike = [c for c in allowed_candidates(problem, rest)
+             if not c.is_residual and any(c.sources & term.sources for term in terms)]  # fmt: skip
+    for _, name in rank_further_causes(problem, expansion, alike)[:REPLACEMENTS_PER_SET]:
+        start = _start_of_further_cause(visited, expansion, name)
+        found = visited.add((*rest, name), less.model, start)
+        if found is None:
+            continue
+        _fit_further_causes(visited, found, REPLACEMENTS_PER_SET)
+        for key in [k for k in visited.sets if k > found.model.key and len(k) == len(rest) + 2]:
+            visited.add(tuple(key), less.model, refit=True)
 
 
 def _fit_further_under_small_forces(visited: FittedCauseSets, scored: ScoredCauseSet) -> None:

@@ -34,7 +34,7 @@ from ..data import Float
 from ..fitting import SharedMeasurement
 from ..integrate import Effect, System, elementwise
 from ..model.similarity import unit_dimensions
-from .robot_problem import LABEL_STD_M, UNKNOWN_DEPTH_STD_SHARE
+from .robot_problem import LABEL_STD_M, UNKNOWN_DEPTH_SCALE_ERROR_STD
 
 CALIBRATION_ERROR_STD = {"lens_error": 0.0005, "uncorrected_refraction": 0.001}
 """Strengths of errors that a careful calibration leaves: those that change lengths by
@@ -210,7 +210,7 @@ def _nuisance_patterns(
         power = unit_dimensions(own.parameters[0].unit)[1]
         size = published * camera.constants["length_unit"] ** power
         known_depth = depth_given or name != "uncorrected_refraction"
-        std = size if known_depth else UNKNOWN_DEPTH_STD_SHARE
+        std = size if known_depth else UNKNOWN_DEPTH_SCALE_ERROR_STD
         unit = (1.0, *np.zeros(own.strengths - 1), *_tried_shape_values(own)[0])
         groups.append(("calibrated", camera.excess(own, unit), std))
     kind = np.array([g[0] for g in groups])

@@ -34,10 +34,10 @@ CORE_LABEL_DISTANCE_M, HEAD_LABEL_DISTANCE_M = (
     0.2,
     0.12,
 )  # lengths over which labels define the directions of core and head
-UNKNOWN_DEPTH_STD_SHARE = 0.02
+UNKNOWN_DEPTH_SCALE_ERROR_STD = 0.02
 """Error of positions, as a share, where the keypoints' depth is not known: those d below the plane
 are seen too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
-HOMOGRAPHY_TOLERANCES = {"scale_error.length_error": UNKNOWN_DEPTH_STD_SHARE}
+HOMOGRAPHY_TOLERANCES = {"scale_error.length_error": UNKNOWN_DEPTH_SCALE_ERROR_STD}
 """A homography from the pool's corners puts keypoints on the water's plane."""
 MIN_TURNED_HEAD_ANGLE_RAD = np.radians(2.0)
 """Head angles up to this are straight swimming with an error of the servo."""

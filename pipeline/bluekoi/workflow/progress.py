@@ -47,7 +47,7 @@ KILLED_MESSAGE = (
     "done is kept. With `--cores 1` less memory is needed at once."
 )
 TRACEBACK_HEADER = "Traceback (most recent call last)"
-INTERRUPT_MESSAGES = ("KeyboardInterrupt", "CancelledError")
+INTERRUPT_EXCEPTION_NAMES = ("KeyboardInterrupt", "CancelledError")
 PROGRESS_LINE_INTERVAL_S = 2.0
 """Time between lines of progress."""
 TICK_S = 1.0
@@ -92,7 +92,7 @@ def _is_reported_by_progress(record: logging.LogRecord) -> bool:
 
 
 def _is_user_interrupt(text: str) -> bool:
-    return any(name in text for name in INTERRUPT_MESSAGES)
+    return any(name in text for name in INTERRUPT_EXCEPTION_NAMES)
 
 
 def signal_that_killed(text: str) -> str:

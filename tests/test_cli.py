@@ -590,3 +590,12 @@ def test_a_trial_may_have_the_name_of_an_option():
         ["keypoints", "--study", "s", "--results", "r", "--trial=-rf", "--trial=T2"]
     )
     assert options.trials == ["-rf", "T2"]
+
+
+def test_a_study_that_is_not_there_is_reported_once_by_a_run(tmp_path, monkeypatch, capfd):
+    """The run itself says so; a search for bad trials in its results must not say it again."""
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(main, ["run", "nosuch"])
+    assert done.exit_code == 1
+    printed = capfd.readouterr().err + done.output
+    assert printed.count("found no such folder; expected a study folder") == 1

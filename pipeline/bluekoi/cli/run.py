@@ -143,10 +143,9 @@ def _trial_problem_lines(results: Path, study: str) -> list[str]:
     from ..errors import InputError  # noqa: PLC0415
 
     try:
-        bad = _failed_trial_lines(results, study)
-    except InputError:
+        bad = [*_failed_trial_lines(results, study), *_trial_remark_lines(results, study)]
+    except InputError:  # printed by the run itself
         return []
-    bad += _trial_remark_lines(results, study)
     more = len(bad) - MAX_FAILED_TRIALS_SHOWN
     return [*bad[:MAX_FAILED_TRIALS_SHOWN], *([f"... and {more} more trials"] if more > 0 else [])]
 

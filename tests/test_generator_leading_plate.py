@@ -85,11 +85,12 @@ def test_coasting_with_added_mass_keeps_energy(robot, form):
     setting = setting_for(robot, [0.0], thrust=0.0, coefficients=0.0)
     found = simulate(plant, setting, start_of(1, 0.3, 0.1, 0.5), np.linspace(0, 5, 20))[:, 0]
     u, v, r = found[3:6]
-    aside = 0.5 * robot.mass
-    ahead, coupling = (0.12 * aside, 0.0) if form == "ellipsoid" else (
-        0.0, -0.25 * aside * robot.core_length)  # fmt: skip
-    energy = ((robot.mass + ahead) * u**2 + (robot.mass + aside) * v**2
-              + 1.4 * robot.inertia * r**2) / 2 + coupling * v * r  # fmt: skip
+    sway_added_mass = 0.5 * robot.mass
+    surge_added_mass, sway_yaw_coupling = 0.12 * sway_added_mass, 0.0
+    if form != "ellipsoid":
+        surge_added_mass, sway_yaw_coupling = 0.0, -0.25 * sway_added_mass * robot.core_length
+    energy = ((robot.mass + surge_added_mass) * u**2 + (robot.mass + sway_added_mass) * v**2
+              + 1.4 * robot.inertia * r**2) / 2 + sway_yaw_coupling * v * r  # fmt: skip
     np.testing.assert_allclose(energy, energy[0], rtol=1e-5)
 
 

@@ -53,10 +53,7 @@ def windows_to_columns(windows: RigidDistances) -> dict[str, Any]:
 
 def windows_of_other_trials(windows: RigidDistances, left_out: Collection[int]) -> RigidDistances:
     """Windows without those of the trials with these numbers."""
-    kept = ~np.isin(windows.trial.round(), list(left_out))
-    return RigidDistances(
-        **{f.name: getattr(windows, f.name)[kept] for f in fields(RigidDistances)}
-    )
+    return windows.select(~np.isin(windows.trial.round(), list(left_out)))
 
 
 def windows_from_columns(columns: Mapping[str, Any]) -> RigidDistances:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..data import Float, Positions, is_confident
+from ..data import BoolNDArray, Float, Positions, is_confident
 from ..errors import input_error
 from ..study import Robot
 from .lens import Lens
@@ -41,6 +41,10 @@ class RigidDistances:
     pair: Float
     bend_rad: Float
     time_s: Float
+
+    def select(self, kept: BoolNDArray) -> RigidDistances:
+        """The entries that are kept, (n,)."""
+        return RigidDistances(**{f.name: getattr(self, f.name)[kept] for f in fields(self)})
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ CAMERA_SHIFT_EFFECT, SHIFT_TIME_NAME, SHIFT_SIZE_NAMES = (
 DISPLACEMENT_PARAMETERS = ("dx", "dy")
 DERIVATIVE_STEP_M = 1e-3
 CHI2_2_DF_MEDIAN = 1.386
-"""Median of chi-squared with two degrees of freedom."""
+"""Median of chi-squared with two degrees of freedom, 2 log 2."""
 DISPLACEMENT_PRIOR_PROBABILITY = 0.03
 """Probability that the camera was displaced in a study, as of any other cause."""
 NULL_DISTRIBUTION_TAIL_FACTOR = 1.5

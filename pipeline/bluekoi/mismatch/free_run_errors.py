@@ -41,7 +41,8 @@ RANDOM_FORCE_SCALES = (0.06, 0.12, 0.25, 0.5, 2.0)
 """Factors on a random force that are tried for each segment."""
 MAX_POSITION_STD_OVER_MEDIAN = 5.0
 """Where a keypoint was off for a frame, the track states 20 to 40 mm instead of 0.4: one such frame
-must not make up half of the error of six paths.
+must not make up half of the error of six paths. Only for path errors of the report; no probability
+depends on it.
 """
 PARABOLA_STATE_STD = np.array([0.1, 0.1, 0.1, 0.2, 0.2, 1.0])
 """Standard deviations of a state estimated from nearby frames, for the published robot: m, m, rad,

@@ -26,7 +26,8 @@ from .missing_force_dependence import FORCE_CHANNELS, covariates
 
 BIN_COUNT, MIN_FRAMES_PER_BIN = 15, 3
 PARTS_PER_TRIAL = 8
-"""Parts of a trial over which its partial residuals are averaged."""
+"""Parts of a trial over which its partial residuals are averaged, about a second each: a choice for
+the figure of the laws, without a part in the verdict."""
 CHANNEL_UNITS = ("N", "N", "N m")
 VARIABLES_OF_EFFECT: Mapping[str, tuple[str, ...]] = {
     "angle of attack": ("angle_of_attack_rad",),

@@ -21,7 +21,8 @@ FOLD_COUNT, POLYNOMIAL_DEGREE = 6, 3
 MIN_INCREMENTAL_EXPLAINED_SHARE = 0.02
 MAX_VARIABLES_PER_CHANNEL = 2
 """A channel's force is stated to depend on at most so many variables; each must explain this share
-of all missing force beyond the variables before it.
+of all missing force beyond the variables before it. Only for the statement of where force is
+missing (`where` in mismatch.json); no probability depends on it.
 """
 MIN_EXPLAINED_SHARE_IN_WEAK_CHANNEL, MIN_TOTAL_SHARE_OF_WEAK_CHANNEL = 0.3, 0.002
 """In a channel where no variable explains `MIN_INCREMENTAL_EXPLAINED_SHARE`, the best one is stated

@@ -22,7 +22,8 @@ HEAD_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0)
 among, without a part in probabilities or verdict."""
 SAME_CONDITION_ANGLE_TOLERANCE_DEG = 5.0
 """A trial with the head angle nearer than this has the same condition: a third of the spacing of
-`HEAD_ANGLES_DEG`, and many times the error of a commanded angle (0.3 degrees)."""
+`HEAD_ANGLES_DEG`, and many times the error of a commanded angle (0.3 degrees). Only for
+the suggestion; no probability depends on it."""
 
 
 def next_trial_json(

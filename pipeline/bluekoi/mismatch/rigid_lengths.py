@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -102,10 +102,7 @@ def _windows_of_max_trials(windows: RigidDistances) -> RigidDistances:
     if len(labels) <= MAX_TRIALS:
         return windows
     chosen = labels[np.linspace(0, len(labels) - 1, MAX_TRIALS).round().astype(int)]
-    rows = np.isin(windows.trial, chosen)
-    return RigidDistances(
-        **{f.name: getattr(windows, f.name)[rows] for f in fields(RigidDistances)}
-    )
+    return windows.select(np.isin(windows.trial, chosen))
 
 
 @dataclass(frozen=True)

@@ -75,14 +75,26 @@ def _crossflow(law: Law, here: Here) -> None:
 
 def _added_mass(law: Law, here: Here) -> None:
     robot = here.robot
-    aside, turn = law.size * robot.mass, 0.8 * law.size * robot.inertia
-    ahead = 0.12 * aside
+    sway_added_mass, yaw_added_inertia = law.size * robot.mass, 0.8 * law.size * robot.inertia
+    surge_added_mass = 0.12 * sway_added_mass
     if law.form == "strip":  # strips of the core behind the centre of mass couple sway and yaw
-        here.masses = (0.0, aside, turn, -0.25 * aside * robot.core_length, 1.0)
+        here.masses = (
+            0.0,
+            sway_added_mass,
+            yaw_added_inertia,
+            -0.25 * sway_added_mass * robot.core_length,
+            1.0,
+        )
     elif law.form == "reduced_munk":  # separation leaves a part of the pure moment
-        here.masses = (ahead, aside, turn, 0.0, 0.3 + 0.4 * law.shape[0])
+        here.masses = (
+            surge_added_mass,
+            sway_added_mass,
+            yaw_added_inertia,
+            0.0,
+            0.3 + 0.4 * law.shape[0],
+        )
     else:
-        here.masses = (ahead, aside, turn, 0.0, 1.0)
+        here.masses = (surge_added_mass, sway_added_mass, yaw_added_inertia, 0.0, 1.0)
 
 
 def _stall(law: Law, here: Here) -> None:

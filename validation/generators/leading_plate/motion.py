@@ -126,17 +126,19 @@ def _accelerations(here: Here) -> tuple[Array, Array]:
     robot = here.robot
     if here.masses is None:
         return here.force / robot.mass, here.moment / robot.inertia
-    ahead, aside, turn, coupling, munk = here.masses
+    surge_added_mass, sway_added_mass, yaw_added_inertia, sway_yaw_coupling, munk = here.masses
     turned = np.exp(1j * here.phi)
     pull = here.force / turned
     u, v, r = here.core.real, here.core.imag, here.rate
-    surge = (pull.real + (aside - ahead) * v * r + coupling * r**2) / (robot.mass + ahead)
-    side = pull.imag + (aside - ahead) * u * r
-    moment = here.moment - munk * (aside - ahead) * u * v
-    m, i = robot.mass + aside, robot.inertia + turn
-    determinant = m * i - coupling**2
-    sway = (i * side - coupling * moment) / determinant
-    return (surge + 1j * sway) * turned, (m * moment - coupling * side) / determinant
+    surge = (
+        pull.real + (sway_added_mass - surge_added_mass) * v * r + sway_yaw_coupling * r**2
+    ) / (robot.mass + surge_added_mass)
+    side = pull.imag + (sway_added_mass - surge_added_mass) * u * r
+    moment = here.moment - munk * (sway_added_mass - surge_added_mass) * u * v
+    m, i = robot.mass + sway_added_mass, robot.inertia + yaw_added_inertia
+    determinant = m * i - sway_yaw_coupling**2
+    sway = (i * side - sway_yaw_coupling * moment) / determinant
+    return (surge + 1j * sway) * turned, (m * moment - sway_yaw_coupling * side) / determinant
 
 
 def simulate(plant: Plant, setting: Setting, start: Array, times: Array) -> Array:

@@ -139,16 +139,16 @@ def seen_places(laws: tuple[Law, ...], scene: Scene, setting: Setting, time: Arr
 def apparent(laws: tuple[Law, ...], scene: Scene, setting: Setting, time: Array, *,
              place: Array, core: Array) -> tuple[Array, Array, Array]:  # fmt: skip
     """Apparent place (complex), direction of the core, length ratio; arrays columns x instants."""
-    ahead = np.exp(1j * core)
+    core_axis = np.exp(1j * core)
     half = 0.25 * scene.robot.body_length
     middle = place + 0j
     for law in laws:
         if law.name == "centre_of_mass_shift":
             shift = mass_shift(law, setting.phi)[:, None] * scene.robot.body_length
-            middle = middle - shift * ahead
+            middle = middle - shift * core_axis
         elif law.name == "keypoint_bias":
-            middle = middle + label_shift(law, scene.robot) * ahead
-    labels = np.stack([middle, middle + half * ahead, middle - half * ahead], axis=-1)
+            middle = middle + label_shift(law, scene.robot) * core_axis
+    labels = np.stack([middle, middle + half * core_axis, middle - half * core_axis], axis=-1)
     if any(law.name in OPTICAL for law in laws):
         for law in laws:
             scene = with_error(scene, law)
@@ -156,5 +156,5 @@ def apparent(laws: tuple[Law, ...], scene: Scene, setting: Setting, time: Array,
         seen = scene.stated_camera().locate(pixels, scene.stated_depth, scene.stated_index)
         labels = seen[..., 0] + 1j * seen[..., 1]
     along = labels[..., 1] - labels[..., 2]
-    turned = np.angle(along / ahead)
+    turned = np.angle(along / core_axis)
     return labels[..., 0], core + turned, np.abs(along) / (2 * half)

@@ -55,21 +55,21 @@ def label_places(
     """
     wave = np.sin(beat + tracker.lead)
     core = core + robot.recoil * strength * wave
-    ahead, head = np.exp(1j * core), np.exp(1j * (core - phi - 0.3 * robot.recoil * wave))
-    middle = place + 1j * ahead * tracker.sway * strength * np.cos(beat + tracker.lead)
+    core_axis, head = np.exp(1j * core), np.exp(1j * (core - phi - 0.3 * robot.recoil * wave))
+    middle = place + 1j * core_axis * tracker.sway * strength * np.cos(beat + tracker.lead)
     for law in laws:
         if law.name == "centre_of_mass_shift":
-            middle = middle - mass_shift(law, setting.phi) * robot.body_length * ahead
+            middle = middle - mass_shift(law, setting.phi) * robot.body_length * core_axis
     tail = core - tracker.swing * strength * np.sin(beat + tracker.lead - 1.2)
-    hinge = middle + robot.hinge_to_com * ahead
-    base = middle - robot.core_length * ahead
+    hinge = middle + robot.hinge_to_com * core_axis
+    base = middle - robot.core_length * core_axis
     labels = np.stack([hinge + setting.head * head, hinge, middle, base,
                        base - robot.tail_length * np.exp(1j * tail)], axis=-1)  # fmt: skip
     for law in laws:
         if law.name == "keypoint_bias":
             moved = [1, 2, 3, 4] if law.form == "core_labels" else [2]
-            labels[:, moved] += (label_shift(law, robot) * ahead)[:, None]
-    return labels + (tracker.label_error @ np.array([1, 1j])) * ahead[:, None]
+            labels[:, moved] += (label_shift(law, robot) * core_axis)[:, None]
+    return labels + (tracker.label_error @ np.array([1, 1j])) * core_axis[:, None]
 
 
 def tracked(

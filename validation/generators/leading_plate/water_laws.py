@@ -91,8 +91,8 @@ def mass_shift(law: Law, phi: np.ndarray) -> np.ndarray:
 
 def _mass_shift(law: Law, here: Here) -> None:
     """A shift along the core shortens the arm; positions are shifted in `sight`."""
-    ahead = mass_shift(law, here.phi) * here.robot.body_length
-    here.arm, here.aft = here.arm - ahead * np.cos(here.phi), ahead
+    forward_shift = mass_shift(law, here.phi) * here.robot.body_length
+    here.arm, here.aft = here.arm - forward_shift * np.cos(here.phi), forward_shift
 
 
 def _sinking(law: Law, here: Here) -> None:

@@ -11,7 +11,6 @@ from bluekoi.data import FlappingFrequency, Positions
 from bluekoi.errors import InputError
 from bluekoi.motor import (
     common_clock_ratio,
-    deviates_from_common_clock,
     flapping_compared_with_video,
     flapping_from_log,
     flapping_from_stated_frequency,
@@ -19,6 +18,7 @@ from bluekoi.motor import (
     read_log,
     tail_beat_from_video,
     tail_beat_lag,
+    trials_with_deviating_clock,
     video_to_motor_frequency_ratio,
 )
 from bluekoi.motor.motor_log import motor_log_coverage
@@ -353,9 +353,23 @@ def test_trials_agree_on_a_ratio_only_by_majority():
     assert common_clock_ratio([*four, flapping_with_ratio(1.0)])[0] == pytest.approx(4.0, abs=1e-3)
     assert common_clock_ratio([flapping_with_ratio(4.0), flapping_with_ratio(1.0)]) is None
     assert common_clock_ratio([flapping_with_ratio(4.0), flapping_with_ratio(float("nan"))]) is None
-    assert deviates_from_common_clock(flapping_with_ratio(1.0), (4.0, 0.001))
-    assert not deviates_from_common_clock(flapping_with_ratio(4.0), (4.0, 0.001))
-    assert deviates_from_common_clock(flapping_with_ratio(4.0), None)
+
+
+def flappings(*ratios):
+    return {f"T{k:02d}": flapping_with_ratio(ratio) for k, ratio in enumerate(ratios)}
+
+
+def test_a_trial_with_the_clock_of_another_camera_deviates():
+    assert trials_with_deviating_clock(flappings(4.001, 3.998, 4.0, 1.0)) == ["T03"]
+    assert trials_with_deviating_clock(flappings(4.001, 3.998, 4.0)) == []
+    assert trials_with_deviating_clock(flappings(4.0, 1.0)) == ["T00"]
+    assert trials_with_deviating_clock(flappings(1.0, 1.001, 0.999, 1.0, 1.2)) == ["T04"]
+
+
+def test_a_stated_frequency_that_is_not_quite_right_is_no_other_clock():
+    scatter = (1.0, 1.015, 0.985, 1.01, 0.99, 1.03, 0.97)
+    assert trials_with_deviating_clock(flappings(*scatter)) == []
+    assert trials_with_deviating_clock(flappings(*scatter, 1.2)) == ["T07"]
 
 
 def test_given_frequency():

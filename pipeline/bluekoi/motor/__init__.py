@@ -2,9 +2,9 @@
 
 from .clock_comparison import (
     common_clock_ratio,
-    deviates_from_common_clock,
     flapping_compared_with_video,
     flapping_from_stated_frequency,
+    trials_with_deviating_clock,
 )
 from .log_video_delay import log_lead_from_beat_phases
 from .motor_log import flapping_from_log, read_log

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +16,9 @@ MAX_CLOCK_ERROR_SHARE = 0.25
 """Ratios that differ by less than this share are errors of one clock, not another frame rate."""
 CLOCK_RATIO_TOLERANCE = 0.02
 """Trials agree on a ratio where theirs differ by less than this share."""
+MAX_CLOCK_DEVIATION_MADS = 8.0
+"""Median absolute deviations beyond which a trial's ratio is another clock's: 5.4 standard
+deviations of a normal distribution."""
 
 
 def flapping_from_stated_frequency(flap_hz: float) -> FlappingFrequency:
@@ -72,12 +75,23 @@ def common_clock_ratio(flapping: Iterable[FlappingFrequency]) -> tuple[float, fl
     return float(alike.mean()), float(alike.std(ddof=1) / math.sqrt(len(alike)))
 
 
-def deviates_from_common_clock(
-    flapping: FlappingFrequency, common: tuple[float, float] | None
-) -> bool:
-    """Whether a trial's clock is neither right nor that of most others: its log or frame rate is
-    another trial's.
+def trials_with_deviating_clock(flapping: Mapping[str, FlappingFrequency]) -> list[str]:
+    """Trials whose clock is not that of most others: the log or the frame rate is another trial's.
+
+    A ratio of video to motor frequency deviates where it is 2 %, three standard deviations and
+    `MAX_CLOCK_DEVIATION_MADS` away from the one that most trials share; where they share none, 25 %
+    from 1. A stated frequency is inexact, so that ratios to it scatter; a camera
+    set to 60 instead of 50 frames/s is a deviation all the same.
     """
-    if not math.isfinite(flapping.ratio):
-        return not flapping.agrees
-    return abs(flapping.ratio / (common[0] if common else 1.0) - 1) > MAX_CLOCK_ERROR_SHARE
+    common = common_clock_ratio(flapping.values())
+    ratios = {i: f.ratio for i, f in flapping.items() if math.isfinite(f.ratio)}
+    found = [i for i, f in flapping.items() if i not in ratios and not f.agrees]
+    if common is None:
+        return [*found, *(i for i, r in ratios.items() if abs(r - 1) > MAX_CLOCK_ERROR_SHARE)]
+    away = {i: abs(r / common[0] - 1) for i, r in ratios.items()}
+    scatter = float(np.median([*away.values()]))
+    usual = max(CLOCK_RATIO_TOLERANCE, MAX_CLOCK_DEVIATION_MADS * scatter)
+    sigmas = {i: share * common[0] / max(flapping[i].ratio_std, 1e-9) for i, share in away.items()}
+    apart = [i for i, share in away.items()
+             if share > usual and not sigmas[i] <= CLOCK_AGREEMENT_SIGMAS]  # fmt: skip
+    return [*found, *apart]

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from ..camera.length_warnings import deviating_lengths
 from ..campaign import Campaign
 from ..data import FlappingFrequency
-from ..motor import common_clock_ratio, deviates_from_common_clock
+from ..motor import trials_with_deviating_clock
 from ..motor.swimming_plausibility import exchanged_recordings
 from ..pose.trial_comparison import compare_head_angles
 
@@ -30,8 +30,7 @@ def contradicted_trials(
     None where they are half of the trials or more: then it is not known which ones are wrong.
     """
     trials = {trial.trial_id: trial for trial in campaign.study.trials}
-    common = common_clock_ratio(flapping.values())
-    clocks = [i for i, f in flapping.items() if deviates_from_common_clock(f, common)]
+    clocks = trials_with_deviating_clock(flapping)
     exchanged = [i for pair in exchanged_recordings(campaign.statuses) for i in pair]
     angles = compare_head_angles(trials, campaign.statuses).contradicted
     lengths = deviating_lengths(campaign.geometry, MIN_LENGTH_DEVIATION_SHARE)

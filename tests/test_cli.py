@@ -124,8 +124,8 @@ def test_ctrl_c_exits_with_130(monkeypatch):
 def test_check_of_a_good_study_says_what_is_in_it(tmp_path):
     result = bluekoi("check", small_study(tmp_path / "study"))
     assert result.exit_code == 0
-    assert "3 trials (0 filmed, 3 keypoint files) in 3 conditions; nothing wrong" in result.output
-    assert "Not checked here" not in result.output
+    assert "3 trials (0 filmed, 3 keypoint files) in 3 conditions; no error found" in result.output
+    assert "Not checked here" in result.output
 
 
 def test_check_says_what_it_cannot_check_of_a_film(tmp_path):
@@ -148,7 +148,7 @@ def test_check_reports_corners_that_miss_the_best_pose(tmp_path):
     result = bluekoi("check", study)
     assert result.exit_code == 0
     assert "study.yaml: the pool corners miss the best pose by" in result.output
-    assert "nothing else wrong" in result.output
+    assert "no other error found" in result.output
 
 
 def test_check_opens_what_a_run_would_open(tmp_path):

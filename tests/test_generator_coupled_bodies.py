@@ -425,7 +425,7 @@ def test_files_are_accepted_by_the_tool(generated_studies):
     for truth in truths:
         done = CliRunner().invoke(main, ["check", str(folder / "studies" / truth["study"])])
         assert done.exit_code == 0, done.output
-        assert "nothing wrong" in done.output
+        assert "no error found in the files" in done.output
 
 
 def test_truths_have_the_keys_of_the_scores_and_sigma_in_range(generated_studies):

@@ -239,7 +239,7 @@ def test_files_are_accepted_by_the_tool_and_truths_have_the_keys_of_the_scores(g
         assert set(truth) == keys
         done = CliRunner().invoke(main, ["check", str(folder / "studies" / truth["study"])])
         assert done.exit_code == 0, done.output
-        assert "nothing wrong" in done.output
+        assert "no error found in the files" in done.output
 
 
 def test_a_study_is_reproduced_from_seed_and_index(generated_studies, tmp_path):

@@ -220,7 +220,7 @@ def test_files_are_accepted_by_the_tool(generated_studies):
     _, folder, truth = generated_studies
     done = CliRunner().invoke(main, ["check", str(folder / "studies" / truth["study"])])
     assert done.exit_code == 0, done.output
-    assert "nothing wrong" in done.output
+    assert "no error found in the files" in done.output
 
 
 def test_truth_has_the_keys_of_the_scores_and_sigma_in_range(generated_studies):

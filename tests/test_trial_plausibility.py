@@ -532,7 +532,7 @@ def test_check_warns_of_what_a_run_would_warn_of(tmp_path):
     log.write_text("\n".join([header, *slower]) + "\n")
     said = CliRunner().invoke(main, ["check", str(study)]).output
     assert "Warning: trial T09: the tail beats 2.4 times as fast in the video" in said
-    assert "nothing else wrong" in said
+    assert "no other error found" in said
     log.write_bytes(content)
     edit_trials_csv(study, T09={"motor_log": "", "flap_hz": "0"})
     said = CliRunner().invoke(main, ["check", str(study)]).output

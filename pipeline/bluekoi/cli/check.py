@@ -20,8 +20,8 @@ def _explain_key(ctx: click.Context, _param: click.Parameter, key: str | None) -
 
 
 UNCHECKED_MOTION_NOTE = (
-    "Not checked here: what only the motion in the videos shows, such as the frame rate, the sign "
-    "of the head angles and the place of the camera. A run compares these with the files and names "
+    "Not checked here: what only the motion shows, such as the frame rate, the sign of the head "
+    "angles, the lens and the place of the camera. A run compares these with the files and names "
     "what does not agree."
 )
 
@@ -62,16 +62,15 @@ def check(study: Path) -> None:
     filmed = sum(not trial.reads_keypoints for trial in loaded.trials)
     conditions = len({trial.condition for trial in loaded.trials})
     warnings = trial_warnings(loaded, statuses)
-    more = "else " if remarks or warnings else ""
+    more = "other " if remarks or warnings else ""
     for remark in remarks:
         click.echo(f"{study / 'study.yaml'}: {remark}")
     for warning in warnings:
         click.echo(f"Warning: {warning}")
     click.echo(
         f"{study}: {len(loaded.trials)} trials ({filmed} filmed, {len(loaded.trials) - filmed} "
-        f"keypoint files) in {conditions} conditions; nothing {more}wrong."
+        f"keypoint files) in {conditions} conditions; no {more}error found in the files."
     )
-    if filmed:
-        click.echo(UNCHECKED_MOTION_NOTE)
+    click.echo(UNCHECKED_MOTION_NOTE)
     for note in unchecked_clock_notes(loaded):
         click.echo(note)

@@ -30,6 +30,8 @@ class Parameter:
       parameter that the trials hardly determine near its start. Infinite: no prior;
     - plausible: typical magnitude of a strength, the width of its prior. Default: |start|;
     - symbol: name of the parameter in the equation of an effect. Default: `name`;
+    - bounded_by: constants of a trial that are the bounds where they are known (the first is less
+      than the second), in the place of `lower` and `upper`;
     - tries: further starting values, for parameters whose likelihood has several maxima. A fit
       begins at the most likely one. For an effect that describes an error of the camera, such as a
       wrong lens, they have a second use: the finder computes for each of these values how the
@@ -46,6 +48,7 @@ class Parameter:
     tries: tuple[float, ...] = ()
     plausible: float = math.nan
     symbol: str = ""
+    bounded_by: tuple[str, str] | None = None
 
     @property
     def argument(self) -> str:
@@ -58,6 +61,13 @@ class Parameter:
         if math.isfinite(self.plausible):
             return self.plausible
         return abs(self.start) or 0.1 * (self.upper - self.lower)
+
+    def bounded(self, constants: Mapping[str, float]) -> Parameter:
+        """The parameter between the bounds of a trial with these constants."""
+        if self.bounded_by is None:
+            return self
+        low, high = (constants[name] for name in self.bounded_by)
+        return replace(self, lower=low, upper=high) if low < high else self
 
 
 @dataclass(frozen=True)

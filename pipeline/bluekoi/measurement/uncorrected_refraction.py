@@ -7,7 +7,8 @@ camera. At the position `true`, it is measured at
 
 k is the relative shift near c. b describes its increase with the distance from c; it follows from
 the height of the camera and the stated refractive index (camera/error_displacement.py). q is the
-increase relative to this computed one: 1 if only the index or only the depth is wrong.
+increase relative to this computed one: 1 if only the index or only the depth is wrong. k lies
+between that of a keypoint on top of the body and that of one on the floor.
 
 Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34 (2012), 51.
 """
@@ -26,7 +27,8 @@ MOST_VISIBLE_WHERE = "all positions, more so towards the edges of the pool"
 CONFUSED_WITH = ("scale_error", "lens_error")
 EFFECT_PARAMETERS = (
     Parameter("inward_shift", "1", 0.005, -0.05, 0.05,
-              "share by which positions appear too close to the camera axis", symbol="k"),
+              "share by which positions appear too close to the camera axis", symbol="k",
+              bounded_by=("inward_min", "inward_max")),
     Parameter("bending_ratio", "1", 1.0, 0.0, 3.0,
               "increase with the distance, relative to the computed one", spread=0.5,
               symbol="q"),

@@ -128,25 +128,25 @@ def robot_units_of_trial(constants: Float) -> RobotUnits:
 
 def trial_system(constants: Float) -> System:
     """`robot_system` of the robot in a trial, by the constants (constants,) of the trial, with the
-    refraction that its camera and pool allow.
+    bounds that they set (`Parameter.bounded_by`).
     """
-    names = two_plate_system().constants
-    low, high = (float(constants[names.index(n)]) for n in ("inward_min", "inward_max"))
-    return _with_refraction_between(two_plate_system(robot_units_of_trial(constants)), low, high)
+    system = two_plate_system(robot_units_of_trial(constants))
+    values = dict(zip(system.constants, map(float, constants), strict=True))
+    bounds = tuple(values[name] for name in _bounding_constants(system))
+    return _between_bounds(system, bounds)
+
+
+def _bounding_constants(system: System) -> tuple[str, ...]:
+    """Names of the constants that bound a parameter of an effect."""
+    return tuple(name for e in system.effects for p in e.parameters for name in p.bounded_by or ())
 
 
 @lru_cache(maxsize=64)
-def _with_refraction_between(system: System, low: float, high: float) -> System:
-    """A system whose `uncorrected_refraction` is bounded: no keypoint lies above the body or below
-    the floor. Where the range is not known, low = high, the bounds stay.
-    """
-    if not low < high:
-        return system
+def _between_bounds(system: System, bounds: tuple[float, ...]) -> System:
+    """A system whose effects have parameters between bounds, those of `_bounding_constants`."""
+    values = dict(zip(_bounding_constants(system), bounds, strict=True))
     return replace(system, effects=tuple(
-        replace(e, parameters=tuple(
-            replace(p, lower=low, upper=high) if p.name == "inward_shift" else p
-            for p in e.parameters
-        ))
-        if e.name == "uncorrected_refraction" else e
+        replace(e, parameters=tuple(p.bounded(values) for p in e.parameters))
+        if any(p.bounded_by for p in e.parameters) else e
         for e in system.effects
     ))  # fmt: skip

@@ -52,8 +52,8 @@ from bluekoi.stages.clock_measurement import (
 from bluekoi.stages.layout import ResultPaths
 from bluekoi.stages.mismatch import (
     refuse_single_trial,
-    with_delay_measurement,
     with_keypoint_distances_from_nose,
+    with_motor_log_delay_evidence,
     with_rigid_length_measurement,
 )
 from bluekoi.stages.motor_measurements import with_frequency_drift, with_spin_up_time_measurement
@@ -658,7 +658,7 @@ def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(
         )
         for name, f in hz.items()
     }
-    series = with_delay_measurement(half, beats, fitted=len(half))
+    series = with_motor_log_delay_evidence(half, beats, fitted=len(half))
     values = np.array([s.evidence["delay"] for s in series])
     assert values[:, 0] == pytest.approx(0.25, abs=0.01)
     assert np.sum(values[:, 1] ** -2.0) ** -0.5 == pytest.approx(0.03, abs=0.01)

@@ -105,7 +105,13 @@ def compare_corners(grey: GreyPicture, setup: StudySettings) -> CornersCompariso
     off = np.linalg.norm(fit.corners_px - given, axis=1)
     doubts = (*fit.doubts, *_pose_misfit_sentence(setup, size, fit))
     wrong = _displaced_corner_sentences(off, fit, given)
-    sentences = (*_scaled_frame_remark(setup, size), *about, *_edge_sentences(fit), *doubts, *wrong)
+    sentences = (
+        *_scaled_frame_remark(setup, size),
+        *about,
+        *_pool_edge_fit_sentences(fit),
+        *doubts,
+        *wrong,
+    )
     check = CornersCheck(
         suggested_px=to_study_pixels(setup, size, fit.corners_px),
         std_px=fit.std_px,
@@ -181,7 +187,7 @@ def _scaled_frame_remark(setup: StudySettings, size: tuple[int, int]) -> tuple[s
     )
 
 
-def _edge_sentences(fit: CornerFit) -> tuple[str, ...]:
+def _pool_edge_fit_sentences(fit: CornerFit) -> tuple[str, ...]:
     return tuple(
         f"edge {name}: straight within {line.bend_px:.1f} px rms, {100 * line.share:.0f} % of it "
         "seen"

@@ -25,8 +25,8 @@ MAX_DRIFT_PER_S = 0.05
 DRIFT_PHASE_STEP_RAD = 0.8
 """A step of the search for d changes the phase at the ends of the trial by this much, a quarter of
 what turns the wave around."""
-MID_TRIAL_FREQUENCY_TOLERANCE_SHARE = 0.1
-"""The frequency in the middle is within this share of that of the whole trial."""
+MID_TRIAL_TO_MEAN_FREQUENCY_TOLERANCE_SHARE = 0.1
+"""The frequency in mid-trial is within this share of the mean over the trial."""
 MAX_DRIFT_BEATS = 300
 """Beats after the spin-up of which the drift is measured, to limit the computing time."""
 COARSE_FRAMES_PER_BEAT = 16
@@ -78,8 +78,8 @@ def _coarse_optimum(
     count = int(min(MAX_DRIFT_PER_S, 1.0 / span) / step)
     drifts = step * np.arange(-count, count + 1)
     hz = np.arange(
-        (1 - MID_TRIAL_FREQUENCY_TOLERANCE_SHARE) * beat_hz,
-        (1 + MID_TRIAL_FREQUENCY_TOLERANCE_SHARE) * beat_hz,
+        (1 - MID_TRIAL_TO_MEAN_FREQUENCY_TOLERANCE_SHARE) * beat_hz,
+        (1 + MID_TRIAL_TO_MEAN_FREQUENCY_TOLERANCE_SHARE) * beat_hz,
         0.2 / span,
     )
     beating = signal - background @ np.linalg.lstsq(background, signal, rcond=None)[0]

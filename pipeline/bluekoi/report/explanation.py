@@ -56,12 +56,12 @@ def explanation_page(found: CauseSearchResult, predicted: Predicted | None = Non
         errors_note=f"Baseline fitted to {held.fitted_to[0]}, extended model to "
         f"{held.fitted_to[1]}; starts fitted; stretches of {held.stretch_s:.3g} s at most.",
         coefficients=coefficient_rows(found),
-        prediction=_prediction_html(found, predicted),
+        prediction=_prediction_tables(found, predicted),
         picture=_figure_data_uri(trials_figure(found)),
     )
 
 
-def _prediction_html(
+def _prediction_tables(
     found: CauseSearchResult, predicted: Predicted | None
 ) -> dict[str, Any] | None:
     if predicted is None:

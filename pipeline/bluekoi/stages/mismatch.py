@@ -58,7 +58,7 @@ def mismatch(study: Path, results: Path) -> None:
     series = with_clock_measurement(campaign_series(campaign, flapping), flapping)
     refuse_single_trial(study, len(series))
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
-    series = with_delay_measurement(series, flapping, fitted=fitted)
+    series = with_motor_log_delay_evidence(series, flapping, fitted=fitted)
     series = with_spin_up_time_measurement(series, flapping, fitted=fitted)
     series = with_frequency_drift(series, flapping, fitted=fitted)
     left_out = contradicted_trials(campaign, flapping)
@@ -106,7 +106,7 @@ def refuse_single_trial(study: Path, count: int) -> None:
         )  # fmt: skip
 
 
-def with_delay_measurement(
+def with_motor_log_delay_evidence(
     series: Sequence[TrialSeries], flapping: Mapping[str, FlappingFrequency], *, fitted: int
 ) -> list[TrialSeries]:
     """Series with what the phases of the tail beat say of log and video as evidence, one

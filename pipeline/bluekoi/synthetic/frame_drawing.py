@@ -15,7 +15,7 @@ from bluekoi.synthetic.raster import paint_polygons, pixels_to_canvas
 from bluekoi.synthetic.scene import FLOOR_RGB, PoolImagery, to_yuv
 
 SHADOW_SHIFT_M = 0.05 - 0.035j
-NOISE_MARGIN_PX = 256
+NOISE_TILE_MARGIN_PX = 256
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def noise_tiles(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Sensor noise of rms 20 about 128 for luma and chroma, uint8, larger than the picture."""
     width, height = size_px
-    shape = (height + NOISE_MARGIN_PX, width + NOISE_MARGIN_PX)
+    shape = (height + NOISE_TILE_MARGIN_PX, width + NOISE_TILE_MARGIN_PX)
     grain = cv2.GaussianBlur(rng.standard_normal(shape, np.float32), (3, 3), 0.55)
     grain *= 20 / float(grain.std())
     tile = np.clip(np.round(128 + grain), 0, 255).astype(np.uint8)
@@ -167,14 +167,14 @@ def draw_robot(
 def add_noise(planes: ImagePlanes, stage: FilmSetup, rng: np.random.Generator) -> ImagePlanes:
     """The frame with sensor noise: what the encoder gets."""
     height, width = planes.luma.shape
-    at = rng.integers(0, NOISE_MARGIN_PX, 2)
+    at = rng.integers(0, NOISE_TILE_MARGIN_PX, 2)
     tile = stage.tiles[0][at[0] : at[0] + height, at[1] : at[1] + width]
     share = stage.conditions.noise / 20
     luma = cv2.addWeighted(planes.luma, 1.0, tile, share, -128 * share)
     chroma = np.empty_like(planes.chroma)
     share = stage.conditions.chroma_noise / 20
     for c in (0, 1):
-        at = rng.integers(0, NOISE_MARGIN_PX // 2, 2)
+        at = rng.integers(0, NOISE_TILE_MARGIN_PX // 2, 2)
         tile = stage.tiles[1][at[0] : at[0] + height // 2, at[1] : at[1] + width // 2]
         chroma[c] = cv2.addWeighted(planes.chroma[c], 1.0, tile, share, -128 * share)
     return ImagePlanes(luma, chroma, planes.light)

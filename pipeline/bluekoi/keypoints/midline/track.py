@@ -72,12 +72,16 @@ class BodyFitHistory:
         return next((one.pose for one in reversed(self.fits) if one is not None), None)
 
     def predicted(self, time_s: float) -> Float | None:
-        """Expected pose: position and heading extrapolated, the bending constant."""
+        """Expected pose: position and heading extrapolated, the bending constant.
+
+        Extrapolated by one interval at most: a body that is lost for longer may have turned, and
+        the search grows around its place instead.
+        """
         known = self.recent_fits
         if len(known) < 2:
             return self.last()
         (before_s, before), (last_s, last) = known
-        steps = min((time_s - last_s) / (last_s - before_s), 3.0)
+        steps = min((time_s - last_s) / (last_s - before_s), 1.0)
         pose = last.pose.copy()
         pose[:3] += steps * (last.pose - before.pose)[:3]
         return pose

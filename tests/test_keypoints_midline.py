@@ -194,6 +194,15 @@ def test_a_body_alone_that_turns_suddenly_while_well_seen_is_not_doubted():
     assert doubted_frames(turning) == []
 
 
+@pytest.mark.parametrize("lost_frames", [1, 2, 5])
+def test_a_lost_body_is_searched_one_step_ahead_of_its_last_place(lost_frames):
+    track = BodyFitHistory()
+    for i, one in enumerate([make_fit(0.0), make_fit(0.2), *[None] * (lost_frames - 1)]):
+        track.add(i / 50, one)
+    expected = track.predicted((1 + lost_frames) / 50)
+    assert expected[0] == pytest.approx(0.4)
+
+
 @pytest.mark.parametrize(
     ("body_px", "whole_px", "said"),
     [

@@ -21,29 +21,39 @@ A candidate is a physical effect that may be missing from the published model of
 possible error of the measurement. The finder (search for missing causes) fits each candidate
 together with the coefficients of the model.
 
-The axes are surge forward, sway to the left and yaw counter-clockwise. In the formulas, `u` and `v`
-are the velocity along and across the core (the rigid body behind the head), `V` the speed, `r` the
-yaw rate, `rho` the density of the water, `A` the area of the head plate, `T` the thrust, `f` the
-flapping frequency, `phi` the head angle, `alpha` the angle of attack of the head plate, and `X`,
-`Y`, `N` are forces in surge and sway and the yaw moment. In the moments `q C_...` of the head, `q`
-is the force 1/2 rho A V^2, the dynamic pressure times the area `A`. The coefficients `C_...` are
-those of the paper ([The model](paper.md)). All other letters are defined for one candidate at a
-time, in its text or in the second column of its table.
+The axes are surge forward, sway to the left and yaw counter-clockwise. The core is the rigid body
+behind the head. The formulas use these symbols:
+
+- `u`, `v`: velocity along and across the core; `V`: speed; `r`: yaw rate;
+- `rho`: density of the water; `A`: area of the head plate;
+- `T`: thrust; `f`: flapping frequency;
+- `phi`: head angle; `alpha`: angle of attack of the head plate;
+- `X`, `Y`, `N`: forces in surge and sway, and yaw moment;
+- `C_...`: coefficients of the paper ([The model](paper.md)). In the moment `q C_Ma sin 2 alpha` of
+  the head, `q` is the force 1/2 rho A V^2, the dynamic pressure times the area `A`.
+
+All other letters are defined for one candidate at a time, in its text or in the second column of
+its table.
 
 In the tables, "start" is the value from which a fit starts, and "from" and "to" are the bounds of a
-parameter. Many formulas contain "the part w" or a similar share: 0 gives the simple form of the
-effect, and 1 replaces it by the other form.
+parameter. The first parameter, or the first few, are the strengths of the candidate: if they are 0,
+the candidate has no effect. All others are shape parameters, which determine the form of the
+effect.
+
+Many shape parameters are shares, which change from one form of an effect to another. "The part w
+grows as t^2" means: the effect is 1 - w times its basic form, plus w times a form that grows as
+t^2. With w = 0, only the basic form acts; with w = 1, only the other.
 
 Starts, bounds, and the numbers with a unit in the formulas are those of the published robot (mass
 0.68 kg, length of the body 0.331 m). Those of a robot of mass m and length l follow by similarity:
 masses are multiplied by m / 0.68 kg, lengths by l / 0.331 m, times by the square root of l / 0.331
-m, and other quantities by what results from their units. A robot of 1 m and 18 kg has 0.52 m/s in
-the place of 0.3 m/s, and 265 N in the place of 10 N. The key `robot_units` of mismatch.json states
-the three factors.
+m, and other quantities by the factor that follows from their units. For example, for a robot of 1 m
+and 18 kg, a speed of 0.3 m/s becomes 0.52 m/s, and a force of 10 N becomes 265 N. The key
+`robot_units` of mismatch.json states the three factors.
 
 Below a table, "Forms" lists variants of the effect: published formulas, or other values of a length
 or of a time, such as a short lag. In brackets are the values of the shape parameters that give the
-form; shape parameters that are not mentioned have their start values. The finder tries each form.
+form. Shape parameters that are not mentioned have their start values. The finder tries each form.
 """
 
 

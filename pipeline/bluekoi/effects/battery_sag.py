@@ -6,12 +6,12 @@ of the thrust is
     dT = -k T (f / f_1)^e (1 - exp(-w t)) / w,   f_1 = 3.5 Hz
 
 At the frequency f_1, the change of the thrust is -k t T at first. It approaches -k T / w later,
-because the voltage settles under load. With w = 0 it is -k t T at all times. With e > 0, the loss
-is larger at a higher flapping frequency.
+because the voltage settles under load. With w = 0 it is -k t T at all times. With e > 0, the
+relative loss dT / T is larger at a higher flapping frequency.
 
-Thrust is proportional to f^2. Therefore a motor log, or the tail beat in the video, shows the
-effect as a falling frequency, whose relative loss is half that of the thrust. The f of the model is
-constant in a trial, so that the loss is not counted twice.
+Thrust is proportional to f^2. In a motor log, or in the tail beat in the video, the effect
+therefore appears as a falling frequency. The relative loss of frequency is half that of the thrust.
+In the model, f is constant during a trial. Otherwise the loss would be counted twice.
 
 Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries, ch.
 2).
@@ -28,7 +28,7 @@ EFFECT_KIND = "physics"
 AFFECTED_CHANNELS = ("surge",)
 DEPENDS_ON_VARIABLES = ("time",)
 EFFECT_DESCRIPTION = "Thrust decreases during a trial because the supply voltage falls."
-MOST_VISIBLE_WHERE = "late in long trials"
+MOST_VISIBLE_WHERE = "the late part of long trials"
 CONFUSED_WITH = ("sinking", "thrust_loss_with_speed", "wake_reentry")
 EFFECT_PARAMETERS = (
     Parameter("loss_rate", "1/s", 0.03, 0.0, 1.0, "share of thrust lost per second, initially",

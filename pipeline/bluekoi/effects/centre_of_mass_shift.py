@@ -1,17 +1,20 @@
 """A centre of mass displaced from the stated position.
 
-If the centre of mass is displaced, forces act at other distances from it and cause the yaw moment
+If the centre of mass is displaced, the arms of the forces change. This causes the additional yaw
+moment
 
     N = -e (Y_h cos phi - X_h sin phi) + s X,   X = T + X_h cos phi + Y_h sin phi
     e = d ((1 - w) + w |sin phi| / sin 45 deg)
 
-X_h and Y_h are the forces on the head along and across the head, phi is the head angle, and T the
-thrust. e is the shift of the centre of mass towards the head. It shortens the arm of the side
-forces of the head by e. With w = 0, the shift is d at every head angle. The part w grows with the
-head angle, because a turned head moves its mass. s is the shift to the left. Forces along the core
-then act at the distance s from the centre of mass and turn the robot.
+- X_h, Y_h: forces on the head, along and across the head;
+- X: total force along the core;
+- e: shift of the centre of mass towards the head. It shortens the arm of the side forces of the
+  head;
+- d: value of e at a head angle of 45 deg. With w = 0, e is d at every head angle. The part w of e
+  grows with the head angle, because a turned head moves its mass;
+- s: shift of the centre of mass to the left. It is the arm of the forces along the core.
 
-The keypoint core_center lies at (-e, -s) from the true centre of mass.
+The keypoint core_center lies at (-e, -s) from the true centre of mass, in the axes of the core.
 
 Source: rigid-body statics.
 """

@@ -4,9 +4,10 @@ The friction force F acts against the velocity v of the robot, with the speed V 
 
     F = -F_c (1 + s exp(-(V / V_s)^2)) v / sqrt(V^2 + c^2),  V_s = 0.1 m/s
 
-At speeds well above c, the force is the constant F_c. Below the speed c, it falls smoothly to 0 at
-rest. With a large c, it rises gradually with the speed. s is the excess of static over sliding
-friction (Stribeck effect).
+At speeds well above c and V_s, the force is the constant F_c. Below the speed c, it falls smoothly
+to 0 at rest. With a large c, it rises gradually with the speed. s is the excess of static over
+sliding friction, relative to sliding friction (Stribeck effect). The excess decays over the speed
+V_s.
 
 In a pool, such a force comes from a tether, from the floor, or from the film on the water surface.
 
@@ -31,7 +32,7 @@ MOST_VISIBLE_WHERE = "lowest speeds: start-up and the smallest power"
 CONFUSED_WITH = ("viscous_drag", "thrust_loss_with_speed")
 EFFECT_PARAMETERS = (
     Parameter("F_c", "N", 0.02, 0.0, 1.0, "sliding friction"),
-    Parameter("onset_speed", "m/s", 0.02, 0.002, 0.2, "speed up to which it rises",
+    Parameter("onset_speed", "m/s", 0.02, 0.002, 0.2, "speed up to which the friction rises",
               spread=0.03, symbol="c"),
     Parameter("static_excess", "1", 0.0, 0.0, 3.0, "excess of static over sliding friction",
               spread=0.5, symbol="s"),

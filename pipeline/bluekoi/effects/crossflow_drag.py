@@ -7,14 +7,14 @@ are
     dY = -1/2 rho C d_x w ((1 - e) |w| + e (|w| w_1)^(1/2)) dx,  w = v + x r,  w_1 = 0.1 m/s
     N = integral x dY
 
-The force is quadratic in w. The part e of it grows as w^(3/2) instead, as with a drag coefficient
-that falls with the Reynolds number. C is the drag coefficient. The force vanishes in straight
-swimming.
+C is the drag coefficient. With e = 0, the force is quadratic in w. The part e of the force grows as
+w^(3/2), as with a drag coefficient that falls with the Reynolds number. Both forms are equal at the
+sideways speed w_1. The force vanishes in straight swimming.
 
 d_x is the height of the body at x. It falls linearly from (1 + q) times the span of the head at the
 hinge to (1 - q) times this span at the tail base. The force is integrated from the hinge to the
-tail base (five Gauss points). The tail behind the tail base is one more section, j times as high as
-the span of the head.
+tail base (five Gauss points). The tail behind the tail base is added as one more section, whose
+height is j times the span of the head.
 
 Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 3; Fossen, Handbook of Marine Craft Hydrodynamics
 (2011), sec. 6.4.3 (cross-flow drag, ITTC strip form).

@@ -1,18 +1,18 @@
 """Lift that follows the angle of attack with a delay.
 
-The lift of the head plate does not follow the angle of attack alpha and the speed V at once. It
-approaches its steady value while the robot travels some head lengths h. The lagging quantities z
-and y follow
+The lift of the head plate, 1/2 rho A C_La V^2 sin 2 alpha, does not follow the angle of attack
+alpha and the speed V at once. It approaches its steady value while the robot travels about s head
+lengths h. The quantities z and y have this lag:
 
     z' = (V^(2 - e) sin 2 alpha - z) V / (s h),    y' = (z - y) V / (s h)
 
-In the formula of the lift, the share k of V^2 sin 2 alpha is replaced by k V^e ((1 - w) z + w y).
-The yaw moment q C_Ma sin 2 alpha of the head lags in the same way, with the share m k. The effect
-vanishes in steady motion.
+The lift consists of two parts. The share 1 - k follows V^2 sin 2 alpha at once. In the share k,
+V^e ((1 - w) z + w y) replaces V^2 sin 2 alpha. In the yaw moment q C_Ma sin 2 alpha of the head,
+the share that lags is m k. The effect vanishes in steady motion.
 
-w = 0 is a first-order lag. w = 1 is two lags in series: the flow turns, and then the circulation
-follows. The exponent e says what lags: the force (e = 0), the circulation (e = 1), or the lift
-coefficient (e = 2).
+With w = 0, the lag is of first order. With w = 1, there are two lags in series: the flow turns, and
+then the circulation follows. The exponent e determines what lags: the force (e = 0), the
+circulation (e = 1), or the lift coefficient (e = 2).
 
 Source: Leishman, Principles of Helicopter Aerodynamics (2006), sec. 8.10 (Wagner's indicial lift)
 and ch. 9 (lags of pressure and boundary layer in series).
@@ -39,8 +39,8 @@ EFFECT_PARAMETERS = (
               spread=0.5, symbol="w"),
     Parameter("speed_exponent", "1", 1.0, 0.0, 2.0, "power of the speed that acts without lag",
               spread=0.5, symbol="e"),
-    Parameter("moment_share", "1", 0.0, 0.0, 1.2, "part of the moment that lags as the lift does",
-              spread=0.5, symbol="m"),
+    Parameter("moment_share", "1", 0.0, 0.0, 1.2,
+              "share of the moment that lags, over that of the lift", spread=0.5, symbol="m"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {
     "force": {"speed_exponent": 0.0},

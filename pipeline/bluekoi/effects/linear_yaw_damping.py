@@ -4,9 +4,10 @@ With the yaw rate r and the speed V, the yaw moment is
 
     N = -N_r r ((1 - p - q) + p (|r| / r_1)^(1/2) + q V / V_1),  r_1 = 0.5 rad/s, V_1 = 0.3 m/s
 
-By default (p = q = 0), the moment is proportional to r. The part p grows as r^(3/2), as for skin
-friction of a laminar boundary layer on the turning body. The part q grows as V r, as for the lift
-that turning gives to sections of a body that swims ahead.
+With p = q = 0, the moment is proportional to r. The part p grows as r^(3/2), as for skin friction
+of a laminar boundary layer on the turning body. The part q grows as V r, as for the lift on the
+sections of a body that turns while it swims ahead. The three forms are equal at the yaw rate r_1
+and the speed V_1.
 
 The moment vanishes without rotation. Relative to the quadratic damping of the model, C_Md r |r|, it
 is largest in slow turns.

@@ -1,16 +1,18 @@
 """Spin-up of the motor.
 
-The motor stands still during the dead time t_d. At the time t since then, the flapping frequency is
+During the dead time t_d after the start of the motor, the flapping frequency does not rise. At the
+time t after the dead time, it is
 
     f(t) = f (1 - k ((1 - w) exp(-t / tau) + w ((1 - q) z + q z^2 (3 - 2 z)))),
     z = max(1 - t / (2 tau), 0)
 
-k is the share of the frequency that is missing at the start, and tau the time constant. w = 0 is a
-first-order motor. w = 1 is a motor with a controller, which reaches the full frequency after 2 tau:
-by a linear ramp (q = 0) or by a smooth one (q = 1).
+The f on the right-hand side is the full frequency. k is the share of it that is missing at the
+start and during the dead time. tau is the time constant. w = 0 is a first-order motor. w = 1 is a
+motor with a controller, which reaches the full frequency at t = 2 tau: by a linear ramp (q = 0) or
+by a smooth one (q = 1).
 
-In all these forms, the motor loses the time k (tau + t_d): its phase stays behind that of a motor
-with immediate full speed by f times this time. A motor log shows this lost time
+In all these forms, the spin-up costs the time k (tau + t_d): the tail makes f k (tau + t_d) fewer
+beats than a tail that beats at the full frequency from the start. A motor log shows this lost time
 (`motor/spin_up.py`).
 
 Source: Nise, Control Systems Engineering (2015), sec. 2.8 (motor with load, first order).

@@ -1,21 +1,26 @@
 """One eddy that fills the pool.
 
-There are two forms of the rotation of the water in a pool of length L and width W. In the first
-form, the stream function is proportional to sin(pi x / L) sin(pi y / W), so that no water crosses
-the walls. G is the largest speed along the long walls. The part c of the first form is replaced by
-two eddies side by side, which rotate in opposite directions: sin(2 pi x / L) sin(pi y / W).
+The flow in a pool of length L and width W is a weighted sum of two flows, a cell and a vortex, with
+the weights 1 - b and b.
 
-The part b of the flow has the second form, a vortex about the middle of the pool. At the distance D
-from the middle, the speed of the water is
+The stream function of the cell is proportional to sin(pi x / L) sin(pi y / W) at the position
+(x, y), so that no water crosses the walls. G is the largest speed along the long walls. The part c
+of the cell is replaced by two eddies side by side, which rotate in opposite directions. Their
+stream function is proportional to sin(2 pi x / L) sin(pi y / W).
+
+The vortex rotates about the middle of the pool. At the distance D from the middle, the speed of the
+water is
 
     U = 2 G (D / a) / (1 + (D / a)^2)
 
 It is largest at D = a, the radius of the vortex core. With a large a, the water rotates like a
 rigid body.
 
-All forces depend on the motion relative to the water at the place of the robot. There, the flow
-turns a line along the robot with an angular velocity Omega. The yaw rate in the formulas of the
-forces is reduced by g Omega, and that in the formula of the yaw damping by d Omega.
+All forces depend on the motion relative to the water at the place of the robot. The water also
+turns there: a line along the robot that moves with the water has the angular velocity Omega. In the
+formula of the yaw damping, C_Md r |r|, the yaw rate is reduced by d Omega. In the formulas of all
+other forces, it is reduced by g Omega. A robot that spans a part of the eddy feels only a share of
+Omega.
 
 Source: Batchelor, An Introduction to Fluid Dynamics (1967), sec. 7.4 (cell); Scully, MIT ASRL TR
 178-1 (1975), and Kaufmann, Ing.-Arch. 31 (1962), 1 (vortex).

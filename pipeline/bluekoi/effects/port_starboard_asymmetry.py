@@ -1,17 +1,23 @@
 """Forces that differ between the two sides.
 
-The lift of the head is 1 + k times that of a symmetric head if it points to the left, and 1 - k
-times if it points to the right. The change of the lift L at the angle of attack alpha points to the
-left, seen along the motion of the head:
+For k > 0, the lift of the head is larger than the lift L of a symmetric head if it points to the
+left, and smaller if it points to the right. Left and right are seen along the motion of the head.
+At every angle of attack alpha, the change of the lift points to the left:
 
     dL = k |L| s / sqrt(s^2 + w^2),  s = |sin 2 alpha|
 
-With w > 0, the sides differ less at small angles of attack. The part m of the moment q C_Ma sin 2
-alpha differs between the sides in the same way. The yaw damping C_Md r |r| differs by the share n,
-and the drag C_Da (1 - cos 2 alpha) of the head by the share g.
+With w = 0, the lift is 1 + k times that of a symmetric head if it points to the left, and 1 - k
+times if it points to the right. With w > 0, the sides differ less at small angles of attack.
+
+Three other quantities differ between the sides. With w = 0, they are multiplied by these factors:
+
+- the moment q C_Ma sin 2 alpha: 1 + m k if the lift points to the left, 1 - m k if to the right;
+- the drag C_Da (1 - cos 2 alpha) of the head: 1 + g if the lift points to the left, 1 - g if to the
+  right;
+- the yaw damping C_Md r |r|: 1 - n in a turn to the left, 1 + n in a turn to the right.
 
 The effect vanishes at zero angle of attack without rotation. If all turns go to one side, it cannot
-be recognised: other formulas for lift and drag of the head then change the motion in the same way.
+be recognised: a symmetric head with other formulas for lift and drag could cause the same motion.
 
 Source: own statement (asymmetric hull or head cap).
 """
@@ -44,7 +50,7 @@ EFFECT_PARAMETERS = (
     Parameter("transition_sine", "1", 0.03, 0.0, 1.0,
               "sine of 2 alpha up to which the sides differ less", spread=0.5, symbol="w"),
     Parameter("moment_share", "1", 0.0, 0.0, 1.2,
-              "part of the moment that differs as the lift does", spread=0.5, symbol="m"),
+              "difference of the moment, relative to that of the lift", spread=0.5, symbol="m"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {
     "step": {"transition_sine": 0.0},

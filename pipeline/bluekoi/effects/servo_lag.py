@@ -5,16 +5,21 @@ At the time t since the start of the trial, the head angle is
     phi(t) = phi (1 - k exp(-((t - t_d) / T)^n) S),  T = tau (1 - q + q |phi| / 45 deg)
     S = 1 - w + w (cos z + sin(z) / b),  z = b (t - t_d) / T
 
-phi on the right-hand side is the commanded angle, and k the share of it that is missing at the
-start, until the servo begins to move after the dead time t_d. n = 1 and q = 0 is a first-order lag
-with the time constant tau. A servo with a limited rate has a larger n, and q = 1: the time is then
-proportional to the angle. With w = 1 (and n = 1, q = 0), the head swings about its angle, as a lag
-of second order with the damping ratio (1 + b^2)^(-1/2); with w = 0 it does not.
+- phi on the right-hand side: the commanded angle;
+- k: share of the commanded angle that is missing at the start;
+- t_d: dead time, after which the servo begins to move. The formulas hold from then on;
+- T: time constant. With q = 0, it is tau for all angles. With q = 1, it is proportional to the
+  angle, as for a servo with a limited rate;
+- n: exponent. n = 1 and q = 0 is a first-order lag. A servo with a limited rate has a larger n;
+- S: oscillation. With w = 0, S = 1 and the head does not oscillate. With w = 1 (and n = 1, q = 0),
+  the head oscillates about its angle, as in a lag of second order with the damping ratio
+  (1 + b^2)^(-1/2).
 
-While the servo moves, the core turns by the share c of the change of the head angle, psi' = r + c
-phi'. psi is the heading of the core and r the yaw rate. The head turns by the share 1 - c in the
-opposite direction. With c = 0 the core keeps its direction; with c = 1 the head does, as in Eq. 8
-of the paper, in which a trial has only one head angle. Without this effect, c makes no difference.
+While the servo moves, the core turns by the share c of the change of the head angle: psi' = r + c
+phi', with the heading psi of the core and the yaw rate r. The head turns by the share 1 - c in the
+opposite direction. With c = 0, the core keeps its direction. With c = 1, the head keeps its
+direction. This agrees with Eq. 8 of the paper, whose state is the direction of the head; in the
+paper, however, a trial has only one head angle. With k = 0, c makes no difference.
 
 Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response)
 and 4.6 (underdamped second-order response).
@@ -46,9 +51,9 @@ EFFECT_PARAMETERS = (
               spread=0.5, symbol="c"),
     Parameter("dead_time", "s", 0.0, 0.0, 0.6, "time in which the angle does not change",
               spread=0.15, symbol="t_d"),
-    Parameter("overshoot_share", "1", 0.0, 0.0, 1.0, "part that swings about the angle",
+    Parameter("overshoot_share", "1", 0.0, 0.0, 1.0, "part that oscillates about the angle",
               spread=0.5, symbol="w"),
-    Parameter("swing_rate", "1", 3.0, 0.5, 8.0, "swings, in radians, in a time constant",
+    Parameter("swing_rate", "1", 3.0, 0.5, 8.0, "phase of the oscillation (rad) in a time constant",
               spread=2.0, symbol="b"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

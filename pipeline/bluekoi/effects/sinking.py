@@ -1,7 +1,8 @@
 """A robot that sinks during the trial.
 
-A sinking robot moves away from the camera. Its image shrinks towards the point c below the camera.
-Its trim also changes with the depth, so that an additional drag D acts:
+A sinking robot moves away from the camera. Its image shrinks towards the point c below the camera:
+a point at the position `true` is measured at the position `seen`. The trim of the robot also
+changes with the depth, so that an additional drag D acts:
 
     seen = c + (1 - g s(t)) (true - c),    D = -1/2 rho A c_g g s(t) V^2 v_hat
     s(t) = t ((1 - w) + w t / t_1) (1 - exp(-b t)) / (b t),  t since the start, t_1 = 4 s
@@ -9,8 +10,8 @@ Its trim also changes with the depth, so that an additional drag D acts:
 g is the rate at which the image shrinks, V the speed and v_hat the direction of motion. The drag
 coefficient grows by c_g times the relative shrinking g s(t) of the image.
 
-s(t) describes how the depth changes with time: the part w grows as t^2 (accelerated sinking), and b
-is the rate at which the depth settles.
+s(t) describes how the depth changes with time. With w = 0 and a small b, the robot sinks steadily:
+s(t) = t. The part w grows as t^2 (accelerated sinking). b is the rate at which the depth settles.
 
 Source: own statement (the paper reports slight sinking, sec. III-A).
 """
@@ -27,7 +28,7 @@ EFFECT_DESCRIPTION = (
     "The robot sinks during the trial: its image shrinks towards the point below the camera, and "
     "its drag changes."
 )
-MOST_VISIBLE_WHERE = "late in long trials"
+MOST_VISIBLE_WHERE = "the late part of long trials"
 CONFUSED_WITH = ("battery_sag", "wake_reentry")
 EFFECT_PARAMETERS = (
     Parameter("shrink_rate", "1/s", 0.002, 0.0, 0.05,

@@ -1,14 +1,15 @@
 """Lift lost at a high angle of attack.
 
-Above an onset angle, the flow separates from the head plate. In steady flow the separated share
-w(alpha) rises from 0 to 1 as |sin alpha| rises from s0 to s0 + b, with the angle of attack alpha.
-The flow separates and attaches again while the head travels s head lengths h:
+Above an onset angle, the flow separates from the head plate. In steady flow, the separated share of
+the flow is w(alpha). It rises from 0 to 1 as |sin alpha| rises from s0 to s0 + b, with the angle of
+attack alpha. In unsteady flow, the separated share z follows w(alpha) with a delay, while the head
+travels s head lengths h:
 
     z' = (w(alpha) - z) / (s h / V + t_0),   t_0 = 1/60 second
 
-z is the separated share of the flow. The head plate loses the share j k z of its lift and the share
-m k z of its yaw moment q C_Ma sin 2 alpha. At small angles there is no loss. With s = 0, the loss
-follows the angle of attack within t_0, the shortest delay that the integrator can follow.
+The head plate loses the share j k z of its lift and the share m k z of its yaw moment q C_Ma sin 2
+alpha. At small angles there is no loss. With s = 0, the loss follows the angle of attack within
+t_0, the shortest delay that the integrator can follow.
 
 Source: Abbott and von Doenhoff, Theory of Wing Sections (1959), sec. 4.1 (stalled flow); Hoerner
 and Borst, Fluid-Dynamic Lift (1975), ch. 4; Goman and Khrabrov, J. Aircraft 31 (1994), 1109
@@ -38,8 +39,8 @@ EFFECT_PARAMETERS = (
     Parameter("moment_share", "1", 0.0, 0.0, 1.2,
               "loss of the moment, relative to the loss of the lift",
               spread=0.5, symbol="m"),
-    Parameter("lift_share", "1", 1.0, 0.0, 1.0, "0: the moment alone is lost", spread=0.5,
-              symbol="j"),
+    Parameter("lift_share", "1", 1.0, 0.0, 1.0, "1: lift is lost, 0: the moment alone is lost",
+              spread=0.5, symbol="j"),
     Parameter("separation_lengths", "1", 0.0, 0.0, 10.0,
               "head lengths travelled as the flow separates", spread=1.5, symbol="s"),
 )  # fmt: skip

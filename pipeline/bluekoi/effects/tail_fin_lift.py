@@ -1,11 +1,13 @@
 """Core and tail as a fin.
 
 The fin has a low aspect ratio and lies at the distance a behind the centre of mass. It moves
-sideways with the speed v - a r, and its side force is that of a thin wing at a small angle. On a
-long fin, the sideways speed varies along the fin. The fin is therefore represented by two stations,
-at the distances a - b and a + b behind the centre of mass. Mean and variance of their sideways
-speeds are those along the whole fin. A station at the distance l has the sideways speed w, the side
-force dY and the force along the body dX. Y and N are side force and yaw moment of the fin:
+sideways with the speed v - a r, and its side force is that of a thin wing at a small angle.
+
+On a long fin, the sideways speed varies along the fin. The fin is therefore represented by two
+stations, at the distances a - b and a + b behind the centre of mass. Mean and variance of the
+sideways speed over the two stations are those along the whole fin. In the following formulas, l is
+the distance of a station, w its sideways speed, dY its side force, and dX its force along the body.
+Y and N are side force and yaw moment of the fin:
 
     dY = -1/2 rho S/2 (sqrt(u^2 + p w^2) + q |w|) w,  w = v - l r,  l = a - b, a + b
     Y = sum dY,  N = -sum l dY
@@ -14,25 +16,28 @@ force dY and the force along the body dX. Y and N are side force and yaw moment 
 S is the lift slope times the area of the fin. The force vanishes in straight swimming, which it
 stabilises. With p = q = 0, it also vanishes without forward speed.
 
-The circulation builds up while the fin travels s head lengths h. The sideways speed w_e that has an
-effect at the middle of the fin follows the true one, w_a = v - a r, with the time constant T, and w
-= w_e - (l - a) r at the stations:
+The circulation builds up while the fin travels s head lengths h. This delay acts on the sideways
+speed at the middle of the fin: the true speed is w_a = v - a r, and the lift depends on the delayed
+speed w_e instead. At the stations, w is then w_e - (l - a) r. With the time constant T and the
+state z,
 
     z' = (w_a - z) / T,   w_e = z + (t_0 / T) (w_a - z),   T = s h / V_a + t_0
     V_a^2 = u^2 + w_a^2,  t_0 = 1/60 second
 
 t_0 is the shortest time constant that the integrator can follow. With s = 0, the lift follows at
 once (w_e = w_a). A wing of high aspect ratio builds up half of its lift at once and the rest over a
-few chords; one of low aspect ratio is faster.
+few chords. A wing of low aspect ratio builds up its lift faster.
 
-q is the lift of the vortices that separate at the side edges of a wing of low aspect ratio, over
-the lift at small angles. For a slender wing it is 2 over the aspect ratio (Polhamus).
+The term with q is the lift of the vortices that separate at the side edges of a wing of low aspect
+ratio. q is the coefficient of this lift over that of the lift at small angles. For a slender wing,
+it is 2 over the aspect ratio (Polhamus).
 
-p = 0 is the formula for a wing at small angles. p > 0 if the sideways flow contributes to the
-dynamic pressure, or if there is cross-flow drag. p < 0 for a fin that stalls gradually.
+p is the share of the sideways flow in the dynamic pressure. p = 0 gives the formula for a wing at
+small angles. p > 0 describes a fin with cross-flow drag, or with a dynamic pressure to which the
+sideways flow contributes. p < 0 describes a fin that stalls gradually.
 
-g sets dX, the force of the fin along the body. g > 0 is induced drag. g < 0 is leading-edge
-suction; with g = -1 and w small against u, the force of the fin is normal to the flow.
+g determines dX, the force of the fin along the body. g > 0 is induced drag. g < 0 is leading-edge
+suction. With g = -1 and w small compared with u, the force of the fin is normal to the flow.
 
 Source: Newman, Marine Hydrodynamics (1977), sec. 5.15 (lifting bodies of small aspect ratio);
 Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low aspect ratio); R. T.
@@ -62,7 +67,7 @@ EFFECT_PARAMETERS = (
     Parameter("lift_area", "m2", 0.03, 0.0, 0.1, "lift slope times area of the fin", symbol="S"),
     Parameter("arm", "m", 0.15, 0.0, 0.4, "distance of the fin behind the centre of mass",
               symbol="a"),
-    Parameter("half_length", "m", 0.03, 0.0, 0.09, "half the extent of the fin along the body",
+    Parameter("half_length", "m", 0.03, 0.0, 0.09, "half the distance between the two stations",
               spread=0.025, symbol="b"),
     Parameter("sideways_flow_share", "1", 0.2, -0.8, 4.0,
               "share of the sideways flow in the dynamic pressure", spread=0.4, symbol="p"),

@@ -5,7 +5,7 @@ that a longer head gives more thrust. This effect changes the thrust by
 
     dT = -k T (1 - A_1 / A)
 
-A_1 is the area of the 1x head, for which the effect vanishes. With k = 1, the thrust is
+A_1 is the area of the standard (1x) head, for which the effect vanishes. With k = 1, the thrust is
 proportional to A_1 for every head.
 
 Source: audit of Eq. 1, docs/paper.md.
@@ -18,8 +18,10 @@ from ..integrate.system import Parameter
 EFFECT_KIND = "physics"
 AFFECTED_CHANNELS = ("surge",)
 DEPENDS_ON_VARIABLES = ("head length",)
-EFFECT_DESCRIPTION = "Thrust does not grow with the length of the head, contrary to Eq. 1."
-MOST_VISIBLE_WHERE = "trials with another head than the 1x head"
+EFFECT_DESCRIPTION = (
+    "Thrust does not grow with the length of the head, contrary to Eq. 1 of the paper."
+)
+MOST_VISIBLE_WHERE = "trials with another head than the standard (1x) head"
 CONFUSED_WITH = ("centre_of_mass_shift", "added_mass")
 EFFECT_PARAMETERS = (
     Parameter("missing_share", "1", 0.5, 0.0, 1.5,

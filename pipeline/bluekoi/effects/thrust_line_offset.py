@@ -4,9 +4,9 @@ At the head angle phi, the thrust T causes the yaw moment
 
     N = T d (sin(phi) + w (phi - sin(phi)))
 
-The reason is that a turned head moves its mass, and with it the centre of mass, to one side. In Eq.
-8 of the paper, T acts at the centre of mass. The distance between the line of thrust and the centre
-of mass is d (sin(phi) + w (phi - sin(phi))). With w = 0, the robot bends at a hinge, and d is the
+In Eq. 8 of the paper, T acts at the centre of mass. However, a turned head moves its mass, and with
+it the centre of mass, to one side. The distance between the line of thrust and the centre of mass
+is then d (sin(phi) + w (phi - sin(phi))). With w = 0, the robot bends at a hinge, and d is the
 distance at a head angle of 90 degrees. With w = 1, the distance is proportional to phi, as for a
 body that bends along an arc. With w < 0, it grows more slowly than sin(phi) at large angles; w = -3
 is close to 1/2 d sin(2 phi). The moment vanishes with a straight head.

@@ -5,12 +5,13 @@ the thrust T is
 
     dT = -k rho A f u ((1 - w) + w (u / f) / J_1) (f / f_1)^q,  J_1 = 0.15 m, f_1 = 3.5 Hz
 
-u / f is the advance, the distance that the robot swims in one tail beat. The thrust falls linearly
-with the advance; the part w falls with the square of the advance. With w > 1, the thrust is largest
-at an advance above 0, as that of a tail at its best Strouhal number. The loss vanishes at rest.
+u / f is the advance, the distance that the robot swims in one tail beat. With w = 0, the loss of
+thrust is proportional to the advance. The part w of the loss is proportional to the square of the
+advance. Both forms are equal at the advance J_1. With w > 1, the thrust is largest at an advance
+above 0, as that of a tail at its best Strouhal number. The loss vanishes at rest.
 
-With q = 0, the relative loss depends only on the advance, as for a propeller. With q = 1 (for w =
-0) or q = 2 (for w = 1), it depends only on the speed.
+With q = 0, the relative loss dT / T depends only on the advance, as for a propeller. With q = 1
+(for w = 0) or q = 2 (for w = 1), dT / T depends only on the speed.
 
 Source: Carlton, Marine Propellers and Propulsion (2012), sec. 6.1 (open-water curves);
 Triantafyllou et al., J. Fluids Struct. 7 (1993), 205 (Strouhal number of fish tails).
@@ -32,7 +33,7 @@ MOST_VISIBLE_WHERE = "start-up (more thrust) against steady swimming (less thrus
 CONFUSED_WITH = ("viscous_drag", "wave_drag", "battery_sag")
 EFFECT_PARAMETERS = (
     Parameter("loss_per_advance", "m", 0.02, 0.0, 1.0,
-              "loss of T / (rho A f^2) per metre of advance, at 0.15 m", symbol="k"),
+              "loss of T / (rho A f^2) per metre of advance, at an advance of 0.15 m", symbol="k"),
     Parameter("quadratic_share", "1", 0.0, 0.0, 4.0, "part that grows as the advance squared",
               spread=1.0, symbol="w"),
     Parameter("frequency_exponent", "1", 0.0, 0.0, 2.0, "growth with frequency at equal advance",

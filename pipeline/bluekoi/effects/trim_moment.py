@@ -4,9 +4,10 @@ With the speed V, the flapping frequency f and the area A of the head plate, the
 
     N = 1/2 rho A c V0^2 ((1 - w) (V / V0)^(2 p) + w (f / f0)^2),   V0 = 0.3 m/s, f0 = 3.5 Hz
 
-c is the size of the moment as a length. p = 1 describes an asymmetric hull, whose moment is
-proportional to V^2. p = 0 is a constant moment, as of a cable. The part w is proportional to the
-thrust, as for a misaligned tail.
+At V = V0 and f = f0, the moment is that of the force 1/2 rho A V0^2 on an arm of the length c.
+p = 1 describes an asymmetric hull, whose moment is proportional to V^2. p = 0 describes a constant
+moment, as of a cable. The part w of the moment is proportional to the thrust, as for a misaligned
+tail.
 
 The moment turns a robot with a straight head always to the same side. With p > 0, it vanishes if
 robot and tail are at rest.
@@ -30,9 +31,9 @@ CONFUSED_WITH = ("head_angle_offset", "port_starboard_asymmetry", "keypoint_bias
 EFFECT_PARAMETERS = (
     Parameter("moment_arm", "m", 0.001, -0.1, 0.1,
               "moment per 1/2 rho A V0^2, counter-clockwise positive", symbol="c"),
-    Parameter("speed_dependence", "1", 1.0, 0.0, 1.5, "growth with speed squared",
+    Parameter("speed_dependence", "1", 1.0, 0.0, 1.5, "exponent of the squared speed",
               spread=0.5, symbol="p"),
-    Parameter("thrust_share", "1", 0.0, 0.0, 1.0, "part that goes with the thrust",
+    Parameter("thrust_share", "1", 0.0, 0.0, 1.0, "part in proportion to the thrust",
               spread=0.5, symbol="w"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

@@ -9,8 +9,11 @@ V^(3/2) (p = 3/2). In creeping flow it grows as V, and in a turbulent boundary l
 drag vanishes at rest.
 
 The part h of the drag acts at the head plate, at the distance l ahead of the centre of mass, like
-all drag in the paper. The rest acts at the centre of mass. The part c of the sideways drag is left
-where flow along the body and across it are apart: with c = 0, the drag acts along the core alone.
+all drag in the paper. The rest acts at the centre of mass.
+
+The component of D across the core is multiplied by c. With c = 1, the drag is opposite to the
+motion. With c = 0, it has no component across the core. This is the case in models that describe
+drag along the body and drag across it by separate terms, such as X_u u.
 
 Source: Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5 (laminar plate friction) and
 ch. 18 (turbulent); Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control (2011), sec.
@@ -40,7 +43,7 @@ EFFECT_PARAMETERS = (
               spread=0.25, symbol="p"),
     Parameter("head_share", "1", 0.0, 0.0, 1.0, "part of it that acts at the head",
               spread=0.5, symbol="h"),
-    Parameter("sideways_share", "1", 1.0, 0.0, 1.0, "part of the sideways drag that acts",
+    Parameter("sideways_share", "1", 1.0, 0.0, 1.0, "factor of the drag across the core",
               spread=0.5, symbol="c"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

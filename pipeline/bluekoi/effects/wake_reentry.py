@@ -4,11 +4,19 @@ After about one circle, the robot swims in water that it has set in motion. In a
 happens earlier, because the wake is wider than the body. The effect vanishes in straight runs and
 short arcs.
 
-The drag 1/2 rho A V^2 at the speed V changes by the share -k. The change builds up smoothly from
-n_1 - b/2 to n_1 + b/2 turns. With each further turn, the drag changes by g k more. If the wake
-decays (a > 0), the change is multiplied by (age / 6 s)^-a, where the age of the wake is the
-duration 2 pi / |r| of one turn at the yaw rate r. The part j of the change is proportional to the
-speed instead of its square, as in moving water, and equals the other part at 0.3 m/s.
+At the speed V, the drag changes by
+
+    dD = -k E(n) (t_w / 6 s)^(-a) 1/2 rho A ((1 - j) V^2 + j V V_1),  V_1 = 0.3 m/s
+
+- k: share of the drag 1/2 rho A V^2 that is lost in a wake of the age 6 s, with E = 1 and j = 0;
+- n: change of the heading since the start of the trial, in turns;
+- E(n): growth of the change with the turns. E rises smoothly from 0 to 1 as n rises from n_1 - b/2
+  to n_1 + b/2. For n > n_1, E has the additional factor 1 + g (n - n_1): the change grows by the
+  share g with each further turn;
+- t_w: age of the wake, which is the duration 2 pi / |r| of one turn at the yaw rate r;
+- a: exponent of the decay of the wake. With a > 0, an older wake changes the drag less;
+- j: part of the change that is proportional to V, as in moving water. The rest is proportional to
+  V^2. Both forms are equal at the speed V_1.
 
 Source: Tennekes and Lumley, A First Course in Turbulence (1972), sec. 4.4 (momentum wake behind a
 self-propelled body) and 4.2 (a wake that fades with its age).
@@ -30,11 +38,11 @@ EFFECT_PARAMETERS = (
               "share of the drag 1/2 rho A V^2 that is lost in the wake", symbol="k"),
     Parameter("entry_turns", "1", 0.9, 0.1, 1.5, "turns after which it meets its wake",
               spread=0.3, symbol="n_1"),
-    Parameter("entry_width", "1", 0.3, 0.05, 1.5, "turns over which the change grows",
+    Parameter("entry_width", "1", 0.3, 0.05, 1.5, "turns over which the change builds up",
               spread=0.45, symbol="b"),
-    Parameter("growth_per_turn", "1", 0.0, 0.0, 1.5, "further change with each further turn",
+    Parameter("growth_per_turn", "1", 0.0, 0.0, 1.5, "relative growth with each further turn",
               spread=0.4, symbol="g"),
-    Parameter("age_exponent", "1", 0.0, 0.0, 2.0, "decay of the wake with its age",
+    Parameter("age_exponent", "1", 0.0, 0.0, 2.0, "exponent of the decay of the wake with its age",
               spread=0.5, symbol="a"),
     Parameter("linear_share", "1", 0.0, 0.0, 1.0, "part in proportion to the speed",
               spread=0.5, symbol="j"),

@@ -1,15 +1,15 @@
 """Forces close to a wall of the pool.
 
-At the distance d from a wall, the force and the moment of this wall are proportional to n(d). With
-q = rho V^2 / 2 at the speed V, and the area A of the head plate:
+At the distance d from a wall, the forces and the moment caused by this wall are proportional to
+n(d). With q = rho V^2 / 2 at the speed V, and the area A of the head plate:
 
     n(d) = (1 - w) exp(-d / s) + w / (1 + (d / s)^2)
     drag k n q A,  attraction g n q A,  moment towards the wall j n q A (0.1 m)
 
 The contributions of the four walls are added. s is the distance over which the effect decays; the
-effect vanishes far from the walls. The part w falls as the square of the distance. Potential flow
-with an image of the body behind the wall has this form, and explains the attraction. j q A is the
-force that would cause the same moment if it acted 0.1 m ahead of the centre of mass.
+effect vanishes far from the walls. The part w of n(d) falls as the inverse square of the distance.
+Potential flow with an image of the body behind the wall has this form, and explains the attraction.
+The moment is that of a force j n q A towards the wall that acts 0.1 m ahead of the centre of mass.
 
 Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 8 (blockage); Newman (1977), ch. 4 (images).
 """
@@ -25,7 +25,7 @@ DEPENDS_ON_VARIABLES = ("place",)
 EFFECT_DESCRIPTION = (
     "Close to a wall of the pool, additional drag, an attraction and a yaw moment act on the robot."
 )
-MOST_VISIBLE_WHERE = "within about 0.3 m of a wall"
+MOST_VISIBLE_WHERE = "positions within about 0.3 m of a wall"
 CONFUSED_WITH = ("pool_gyre", "uniform_current")
 STRENGTH_PARAMETER_COUNT = 3
 EFFECT_PARAMETERS = (

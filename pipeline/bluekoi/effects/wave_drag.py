@@ -6,14 +6,15 @@ At the speed V, the drag against the direction of motion v_hat is
                   + (1 - g) o (max(V - V_0, 0) / (V_1 - V_0))^2 + g (V / V_1)^2 R(V)) v_hat
     R = 1 / (1 + ((V - V_c) / 0.08 m/s)^2)^2,  V_1 = 0.4 m/s
 
-Wave drag rises faster than the square of the speed up to the hull speed, (g L / 2 pi)^(1/2) for a
-body of the length L. The drag is a weighted sum of four formulas with the same value at V_1:
+Wave drag rises faster than the square of the speed up to the hull speed. For a body of the length
+L, the hull speed is (g L / 2 pi)^(1/2); here alone, g is the acceleration of gravity. The drag is a
+weighted sum of four formulas. The first three have the same value at V_1:
 
 - V^4 and V^6, with the weights 1 - w and w;
 - a drag that is zero below the onset speed V_0, because waves on water are not slower than 0.23
-  m/s. It replaces the part o of these powers;
+  m/s. Above V_0, it grows as (V - V_0)^2. It replaces the part o of the sum of V^4 and V^6;
 - a hump at the speed V_c, caused by interference of bow and stern waves. It replaces the part g of
-  the sum of the others.
+  the sum of the other three.
 
 The part h of the drag acts at the head plate, at the distance l ahead of the centre of mass. The
 rest acts at the centre of mass.

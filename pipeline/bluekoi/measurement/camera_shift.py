@@ -1,12 +1,13 @@
 """A camera that was moved between or during trials.
 
 From some moment of a trial on, all positions are displaced by (dx, dy). The finder tests every
-moment of every trial for such a displacement before the fit (mismatch/camera_displacement.py). Only
-displacements that are probable are fitted, from the moment found.
+moment of every trial for such a displacement before the fit (mismatch/camera_displacement.py). A
+displacement is fitted only if this test finds it probable. The fit uses the moment found by the
+test.
 
-If the camera moved in several trials, (dx, dy) is the displacement in the trial that determines it
-best. In trial i, with positions as complex numbers, the displacement is (a_i + i b_i)(dx + i dy).
-The test gives a_i and b_i, and the fit leaves them as they are.
+If the camera moved in several trials, (dx, dy) is the displacement in the trial whose displacement
+is the most certain. With positions as complex numbers x + i y, the displacement in trial n is
+(a_n + i b_n)(dx + i dy). The test gives the ratios a_n + i b_n, and the fit does not change them.
 
 Source: own statement.
 """
@@ -19,15 +20,15 @@ from ..integrate.system import Parameter
 EFFECT_KIND = "measurement"
 AFFECTED_CHANNELS = ("sway", "yaw")
 EFFECT_DESCRIPTION = "The camera was moved: from some time on, all positions are displaced."
-MOST_VISIBLE_WHERE = "from one trial or time on"
+MOST_VISIBLE_WHERE = "all positions from one trial or time on"
 CONFUSED_WITH = ("keypoint_bias", "uniform_current")
 STRENGTH_PARAMETER_COUNT = 2
 EFFECT_PARAMETERS = (
     Parameter(
-        "dx", "m", 0.005, -0.3, 0.3, "displacement in x in the trial that determines it best"
+        "dx", "m", 0.005, -0.3, 0.3, "displacement in x in the trial where it is most certain"
     ),
     Parameter(
-        "dy", "m", 0.005, -0.3, 0.3, "displacement in y in the trial that determines it best"
+        "dy", "m", 0.005, -0.3, 0.3, "displacement in y in the trial where it is most certain"
     ),
 )
 

@@ -1,12 +1,15 @@
 """A wrong frame rate.
 
 With the recorded time t, the true time runs 1 + p k (1 + d (t - 3 s) / 3 s) times as fast as t.
-k is the error of the frame rate, and d the drift of an unsteady clock.
+k is the relative error of the frame rate at t = 3 s. d describes an unsteady clock: the change of
+this error in 3 s, relative to k.
 
 p is 1 in the trials with a wrong frame rate and 0 in the others. Usually it is 1 in all trials. The
-tail beat in the video, compared with the motor log, can show that only some of them are wrong.
-Without a motor log, d is 0: the quartz of a camera is steady, and a drifting tail beat is one of
-the motor.
+tail beat in the video, compared with the motor log, can show that the frame rate is wrong in some
+trials only.
+
+Without a motor log, d is 0. The reason is that the quartz of a camera is steady. If the tail beat
+in the video drifts, this is therefore attributed to the motor.
 
 Source: own statement (30 for 29.97, or a frame rate typed in wrongly).
 """

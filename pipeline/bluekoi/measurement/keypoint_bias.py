@@ -1,15 +1,19 @@
 """Constant offset of a keypoint on the body.
 
 The pose of the robot is fitted to all keypoints. A constant offset of one keypoint on the body
-therefore changes the whole pose: it shifts the core centre by bx along and by across the core, the
-heading of the core by bpsi, and the head angle by bphi.
+therefore changes the whole pose:
 
-A label that follows the edge of the turned head moves with the head angle phi. by, bpsi and bphi
-are therefore multiplied by
+- `bx`, `by`: shift of the core centre along the core and across it;
+- `bpsi`: change of the heading of the core;
+- `bphi`: change of the head angle.
+
+The label of a keypoint may follow the edge of the head. It then moves on the robot when the head
+turns. `by`, `bpsi` and `bphi` are therefore multiplied by a factor that depends on the head angle
+phi:
 
     (1 - w) + w sin(phi) / sin(45 deg)
 
-The offset along the core is at most 2 cm; a larger one is a `centre_of_mass_shift`.
+The offset `bx` along the core is at most 2 cm. A larger one is a `centre_of_mass_shift`.
 
 Source: own statement.
 """
@@ -33,8 +37,8 @@ EFFECT_PARAMETERS = (
               symbol="bpsi"),
     Parameter("head_angle_offset", "rad", 0.01, -0.35, 0.35, "error of the observed head angle",
               symbol="bphi"),
-    Parameter("head_angle_share", "1", 0.0, 0.0, 1.0, "part in proportion to the turned head",
-              spread=0.5, symbol="w"),
+    Parameter("head_angle_share", "1", 0.0, 0.0, 1.0,
+              "part in proportion to the sine of the head angle", spread=0.5, symbol="w"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {
     "constant": {},

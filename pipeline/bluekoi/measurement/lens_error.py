@@ -8,13 +8,14 @@ c is the point where the lens axis meets the water, and rho the distance of `tru
 radial distortion. p = (p_x, p_y) is the tangential distortion of a lens whose elements are not
 aligned.
 
-The pose of the camera is fitted to the corners of the pool. It compensates part of a lens error: a
-change of scale (Q, in m2) and a shift (a, in m3). Q, a and c are computed once from the camera of
-the study (camera/error_displacement.py): its first distortion coefficient is changed, the pose is
-fitted again, and the displacement of points on the water is approximated by the formula with q = 1.
+The pose of the camera is fitted to the corners of the pool, with the same wrong lens. The fitted
+pose therefore compensates part of the lens error: a change of scale (Q, in m2) and a shift (a, in
+m3). Q, a and c are computed once from the camera of the study (camera/error_displacement.py). For
+this, the first distortion coefficient of the camera is changed, and the pose is fitted again. The
+resulting displacement of points on the water is approximated by the formula with q = 1.
 
-The full formula for tangential distortion is 2 (p . d) d + rho^2 p, with d = true - c. Its first
-term acts like a tilt of the camera. The pose compensates it, so that it is left out.
+The full formula for tangential distortion is 2 (p . d) d + rho^2 p, with d = true - c. The first
+term is left out. It acts like a tilt of the camera, which the fitted pose compensates.
 
 Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial and tangential distortion).
 """
@@ -30,7 +31,7 @@ EFFECT_DESCRIPTION = (
     "outwards or inwards."
 )
 STRENGTH_PARAMETER_COUNT = 3
-MOST_VISIBLE_WHERE = "towards the edges of the pool"
+MOST_VISIBLE_WHERE = "positions towards the edges of the pool"
 CONFUSED_WITH = ("uncorrected_refraction", "scale_error")
 EFFECT_PARAMETERS = (
     Parameter("radial_distortion", "1/m2", 0.005, -0.3, 0.3, "radial distortion on the water",
@@ -40,7 +41,7 @@ EFFECT_PARAMETERS = (
     Parameter("tangential_y", "1/m", 0.005, -0.3, 0.3, "tangential distortion across the pool",
               symbol="p_y"),
     Parameter("compensated_share", "1", 1.0, 0.0, 2.0,
-              "compensation by the pose over the computed one", spread=0.25, symbol="q"),
+              "compensation by the pose, relative to the computed one", spread=0.25, symbol="q"),
 )  # fmt: skip
 
 

@@ -1,12 +1,12 @@
 """A wrong scale from pixels to metres.
 
-With the distances x, y of a point from the middle c of the pool, the point is measured at the
-position
+A point at the position `true` is measured at the position `seen`. Relative to the middle c of the
+pool,
 
     seen - c = ((1 + k (1 + a)) x, (1 + k (1 - a)) y),  x, y = true - c
 
-k is the scale error. With a = 1 or a = -1, only the length or only the width of the pool was stated
-wrongly.
+k is the scale error, the mean of the errors along and across the pool. With a = 1 or a = -1, only
+the length or only the width of the pool was stated wrongly.
 
 Some detectors find the nose and place the other keypoints at stated lengths behind it. Then the
 formula applies to the position of the nose, and the other keypoints keep their distances from it.
@@ -28,7 +28,8 @@ CONFUSED_WITH = ("uncorrected_refraction", "clock_error")
 EFFECT_PARAMETERS = (
     Parameter("length_error", "1", 0.01, -0.3, 0.3, "share by which lengths are observed too long",
               symbol="k"),
-    Parameter("axis_difference", "1", 0.0, -1.0, 1.0, "how much more along x than along y",
+    Parameter("axis_difference", "1", 0.0, -1.0, 1.0,
+              "half the difference of the errors along x and y, over k",
               spread=0.5, tries=(1.0, -1.0), symbol="a"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

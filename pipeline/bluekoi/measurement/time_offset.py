@@ -1,9 +1,9 @@
 """Video, commands and motor log that do not start together.
 
-The motor starts with full thrust at the time d (in s) after the start that the motor log shows or,
-without a log, after the start of the video. Only trials that begin at rest show this. If the robot
-already moves in the first frame, d changes nothing: the model averages over tail beats, and the
-initial position and velocity of each trial are free parameters.
+The thrust begins, at its full value, d seconds after the start of the motor in the motor log.
+Without a log, it begins d seconds after the start of the video. Only trials that begin at rest show
+this. If the robot already moves in the first frame, d has no effect: the thrust of the model is a
+mean over the tail beat, and the initial position and velocity of each trial are free parameters.
 
 e is the time by which the clock of the motor log is ahead of the video. It is visible only in the
 phase of the tail beat (`motor/log_video_delay.py`).
@@ -27,7 +27,7 @@ STRENGTH_PARAMETER_COUNT = 2
 CONFUSED_WITH = ("motor_spin_up", "servo_lag")
 EFFECT_PARAMETERS = (
     Parameter("start_delay", "s", 0.3, 0.0, 2.0,
-              "time from the start of the video to that of the motion", symbol="d"),
+              "time from the start in the motor log (or video) to the thrust", symbol="d"),
     Parameter("log_lead", "s", 0.0, -2.0, 2.0,
               "by how much the motor log's clock is ahead of the video's", symbol="e"),
 )  # fmt: skip

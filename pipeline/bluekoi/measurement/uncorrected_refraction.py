@@ -1,14 +1,15 @@
 """Refraction at the surface not corrected, or corrected for a wrong depth.
 
 A keypoint that lies deeper than assumed appears closer to the point c = (x_c, y_c) below the
-camera. At the position `true`, it is measured at
+camera. If its position is `true`, it is measured at
 
     seen = true - k (true - c) (1 + q b rho^2),  rho = |true - c|
 
-k is the relative shift near c. b describes its increase with the distance from c; it follows from
-the height of the camera and the stated refractive index (camera/error_displacement.py). q is the
-increase relative to this computed one: 1 if only the index or only the depth is wrong. k lies
-between that of a keypoint on top of the body and that of one on the floor.
+- k: relative shift near c. Its bounds in a fit are the shift of a keypoint on top of the body and
+  that of a keypoint on the floor of the pool;
+- b: increase of the relative shift with the distance from c. It is computed from the height of the
+  camera and the stated refractive index (camera/error_displacement.py);
+- q: increase over the computed one. It is 1 if only the index or only the depth is wrong.
 
 Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34 (2012), 51.
 """

@@ -28,7 +28,7 @@ HYDRODYNAMIC_COEFFICIENTS = (
     Parameter("C_Da", "1", 2.0, -1.0, 40.0, "drag that comes with the angle of attack"),
     Parameter("C_La", "1", 3.14, -2.0, 40.0, "lift over sin 2 alpha"),
     Parameter("C_Ma", "m", 0.1, -1.0, 2.0, "moment over sin 2 alpha"),
-    Parameter("C_Md", "kg m2", 0.12, -0.1, 5.0, "damping of the yaw rate squared"),
+    Parameter("C_Md", "kg m2", 0.12, 0.0, 5.0, "damping of the yaw rate squared"),
 )
 """Coefficients of the published model with unit, start value, bounds and meaning, for the published
 robot."""

@@ -58,7 +58,7 @@ def report_html(
         with_additions=campaign.has_additions,
         shifts=tables.coefficient_changes(campaign),
         joint=tables.joint_fit_rows(campaign),
-        joint_notes=tables.joint_notes(campaign),
+        joint_fit_notes=tables.joint_fit_notes(campaign),
         spectrum=identifiability.fisher_spectrum(campaign),
         profiles=identifiability.likelihood_profile_curves(campaign),
         table_1=tables.table_1(campaign),

@@ -50,7 +50,7 @@ def _hessian_half_width(cell: Mapping[str, Any]) -> str:
     return "–" if std is None else format_number(Z_95 * std, 2)
 
 
-def joint_notes(campaign: Campaign) -> list[str]:
+def joint_fit_notes(campaign: Campaign) -> list[str]:
     """Undetermined combinations of coefficients, and stability of straight swimming."""
     found = campaign.coefficients.get("joint") or {}
     out = [

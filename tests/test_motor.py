@@ -21,6 +21,7 @@ from bluekoi.motor import (
     trials_with_deviating_clock,
     video_to_motor_frequency_ratio,
 )
+from bluekoi.motor.beat_regression import misfit_spectrum, slow_trend_basis
 from bluekoi.motor.motor_log import motor_log_coverage
 from bluekoi.motor.shaft_angle import wrap_angle
 
@@ -332,6 +333,23 @@ def test_the_ratio_of_the_clocks_is_found_through_spin_up():
         replace(beat, time_s=video / 4), FlappingFrequency(4.0, 1e-3, "log", t, hz)
     )
     assert ratio == pytest.approx(4.0, rel=0.004)
+
+
+@pytest.mark.parametrize("count", [1, 7, 70])
+def test_the_spectrum_is_what_least_squares_leaves_at_each_frequency(count):
+    rng = np.random.default_rng(6)
+    t = np.sort(rng.uniform(0, 7, 240))
+    signal = 0.3 * np.sin(2 * np.pi * 2.4 * t) + 0.05 * t + rng.normal(0, 0.1, len(t))
+    weights, background = rng.uniform(0.1, 1.0, len(t)), slow_trend_basis(t, 2.4)
+    hz = 1.9 + 0.014 * np.arange(count)
+    left = []
+    for f in hz:
+        phase = 2 * np.pi * f * t
+        design = np.column_stack([np.cos(phase), np.sin(phase), background])
+        root = np.sqrt(weights)
+        value = np.linalg.lstsq(design * root[:, None], signal * root, rcond=None)[0]
+        left.append(np.sum(weights * (signal - design @ value) ** 2))
+    assert misfit_spectrum(hz, t, signal, background, weights) == pytest.approx(left, rel=1e-9)
 
 
 def test_a_strong_harmonic_is_not_taken_for_the_beat():

@@ -9,8 +9,8 @@ from .shaft_angle import wrap_angle
 
 TAIL_ANGLE_KEYPOINTS = ("tail_tip", "tail_base", "core_center")
 """Keypoints between which the tail's angle is measured."""
-FREQUENCIES_PER_BATCH = 256
-"""Frequencies whose spectrum is computed at once, to bound memory."""
+FREQUENCIES_PER_BATCH = 32
+"""Frequencies whose spectrum is computed at once: their arrays stay in the cache."""
 BACKGROUND_PERIOD_BEATS = 3.0
 """The slow background has one spline knot per so many beats."""
 
@@ -55,21 +55,41 @@ def robust_weights(residual: Float) -> Float:
 def misfit_spectrum(
     hz: Float, time_s: Float, signal: Float, background: Float, weights: Float
 ) -> Float:
-    """Weighted sum of squares that background and a line leave, for each frequency of `hz`.
+    """Weighted sum of squares that background and a line leave, for each of evenly spaced
+    frequencies `hz`.
 
-    Line and signal are projected off the background first; 2 x 2 normal equations remain.
+    Line and signal are projected off the background first; 2 x 2 normal equations remain. With an
+    orthonormal basis B of the weighted background, the sums of squares and products of the
+    projected cosine c and sine s are those of c and s less those of B' c and B' s.
     """
     root = np.sqrt(weights)
     basis = np.linalg.qr(background * root[:, None])[0]
     rest = signal * root - basis @ (basis.T @ (signal * root))
+    rows = np.column_stack([basis, rest]) * root[:, None]
     left = np.empty(len(hz))
     for first in range(0, len(hz), FREQUENCIES_PER_BATCH):
         some = slice(first, first + FREQUENCIES_PER_BATCH)
-        wave = root[:, None] * np.exp(2j * np.pi * np.outer(time_s - time_s.mean(), hz[some]))
-        wave -= basis @ (basis.T @ wave)
-        c, s = wave.real, wave.imag
-        cc, ss, cs = (c * c).sum(0), (s * s).sum(0), (c * s).sum(0)
-        cy, sy = rest @ c, rest @ s
+        c, s = _cosines_and_sines(hz[some], time_s - time_s.mean())
+        along_c, along_s = c @ rows, s @ rows
+        cy, sy = along_c[:, -1], along_s[:, -1]
+        whole = (c * c) @ weights
+        cc = whole - np.sum(along_c[:, :-1] ** 2, axis=1)
+        ss = weights.sum() - whole - np.sum(along_s[:, :-1] ** 2, axis=1)
+        cs = (c * s) @ weights - np.sum(along_c[:, :-1] * along_s[:, :-1], axis=1)
         det = np.maximum(cc * ss - cs**2, 1e-9 * cc * ss + 1e-300)
         left[some] = rest @ rest - (ss * cy**2 - 2 * cs * cy * sy + cc * sy**2) / det
     return left
+
+
+def _cosines_and_sines(hz: Float, time_s: Float) -> tuple[Float, Float]:
+    """Cosine and sine of 2 pi f t (frequencies, frames) at evenly spaced frequencies, by the
+    addition theorems from those of few coarse and few fine steps of the frequency.
+    """
+    step = hz[1] - hz[0] if len(hz) > 1 else 0.0
+    fine = int(np.ceil(np.sqrt(len(hz))))
+    coarse = -(-len(hz) // fine)
+    a = 2 * np.pi * np.outer(hz[0] + step * fine * np.arange(coarse), time_s)[:, None]
+    b = 2 * np.pi * np.outer(step * np.arange(fine), time_s)[None]
+    ca, sa, cb, sb = np.cos(a), np.sin(a), np.cos(b), np.sin(b)
+    c, s = ca * cb - sa * sb, sa * cb + ca * sb
+    return c.reshape(-1, len(time_s))[: len(hz)], s.reshape(-1, len(time_s))[: len(hz)]

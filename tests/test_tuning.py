@@ -9,8 +9,9 @@ import pytest
 from scipy.stats import t as student
 
 from bluekoi.data import FlappingFrequency, Pose
-from bluekoi.model import TABLE_1
+from bluekoi.model import TABLE_1, two_plate_system
 from bluekoi.smoothing import smooth_pose
+from bluekoi.study import Trial
 from bluekoi.tuning import (
     coefficients_json_and_fit,
     fit_all_trials,
@@ -21,6 +22,7 @@ from bluekoi.tuning import (
     trial_series,
 )
 from measured_studies import MeasuredStudy, measure_design
+from paper_robot import PAPER_SETUP
 from small_studies import published_model_design
 
 TRUTH = {"C_T": 4.5e-3, "C_D0": 0.5, "C_La": 3.14, "C_Ma": 0.1}
@@ -182,3 +184,25 @@ def test_simulated_paths_lie_on_the_measured_turns(published_model_study: Measur
             columns["joint_x_m"] - one.seen[:, 0], columns["joint_y_m"] - one.seen[:, 1]
         )
         assert np.nanmedian(apart) < 0.004
+
+
+@pytest.mark.parametrize(("speed_m_s", "swims"), [(0.0, False), (0.02, False), (0.3, True)])
+def test_the_motor_of_a_trial_that_begins_swimming_started_long_before(
+    speed_m_s: float, swims: bool
+) -> None:
+    """Its spin-up, or a delay of its start, has no part in such a trial."""
+    times = np.arange(0, 5, 1 / 30)
+    speed = 0.4 - (0.4 - speed_m_s) * np.exp(-2.0 * times)
+    pose = Pose(
+        times,
+        np.column_stack([1 + np.cumsum(speed) / 30, *np.full((3, len(times)), 0.0)])
+        + np.random.default_rng(8).normal(0, 1e-3, (len(times), 4)),
+        np.tile(np.diag([1e-6, 1e-6, 1e-5, 1e-5]), (len(times), 1, 1)),
+    )
+    trial = Trial(trial_id="T1", source="keypoints/T1.csv", power_pct=50.0, head_angle_deg=0.0,
+                  head_length_m=0.12, fps=30.0)  # fmt: skip
+    flapping = FlappingFrequency(2.4, 0.0, "flap_hz")
+    one = trial_series(trial, PAPER_SETUP, pose, smooth_pose(pose, 2.4), flapping)
+    started = one.constants[two_plate_system().constants.index("t_start")]
+    assert (started < -100.0) == swims
+    assert one.times[0] == 0.0

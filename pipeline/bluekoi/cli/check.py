@@ -19,10 +19,14 @@ def _explain_key(ctx: click.Context, _param: click.Parameter, key: str | None) -
         ctx.exit()
 
 
+UNCHECKED_CAMERA_NOTE = (
+    "Not checked here: what only the motion in all trials shows, such as errors of the lens and "
+    "of the place of the camera. A run compares it with the files and names what does not agree."
+)
 UNCHECKED_MOTION_NOTE = (
-    "Not checked here: what only the motion shows, such as the frame rate, the sign of the head "
-    "angles, the lens and the place of the camera. A run compares these with the files and names "
-    "what does not agree."
+    "Not checked here: what only the motion in the videos shows, such as the frame rate, the sign "
+    "of the head angles, the lens and the place of the camera. A run compares these with the "
+    "files and names what does not agree."
 )
 
 
@@ -71,6 +75,6 @@ def check(study: Path) -> None:
         f"{study}: {len(loaded.trials)} trials ({filmed} filmed, {len(loaded.trials) - filmed} "
         f"keypoint files) in {conditions} conditions; no {more}error found in the files."
     )
-    click.echo(UNCHECKED_MOTION_NOTE)
+    click.echo(UNCHECKED_MOTION_NOTE if filmed else UNCHECKED_CAMERA_NOTE)
     for note in unchecked_clock_notes(loaded):
         click.echo(note)

@@ -207,7 +207,10 @@ def _keep_better_noise(
 def _fit_further_causes(
     visited: FittedCauseSets, scored: ScoredCauseSet, count: int = REFITS_PER_SET
 ) -> None:
-    """Fit the most promising further causes beside a set."""
+    """Fit the most promising further causes beside a set: `count` listed ones, and residual terms
+    besides, which are many and alike and would otherwise take the places of the listed cause that
+    they resemble.
+    """
     expansion = visited.expansion(scored)
     found = rank_further_causes(
         visited.problem, expansion, allowed_candidates(visited.problem, scored.causes)
@@ -216,7 +219,9 @@ def _fit_further_causes(
     several = [n for _, n in found if strength_starts(visited.problem, candidates[n])]
     for name in several if not scored.causes else ():
         visited.add((*scored.causes, name), scored.model)
-    for i, (gain, name) in enumerate(found[:count]):
+    listed = [one for one in found if not candidates[one[1]].is_residual][:count]
+    terms = [one for one in found if candidates[one[1]].is_residual][:MIN_REFITS_PER_SET]
+    for i, (gain, name) in enumerate(sorted([*listed, *terms], key=lambda one: -one[0])):
         if gain > found[0][0] - MAX_LOG_ODDS_TO_PROPOSE and (
             i < MIN_REFITS_PER_SET or gain > MIN_LOG_ODDS_TO_REFIT
         ):

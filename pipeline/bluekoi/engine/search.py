@@ -39,14 +39,15 @@ from .set_score import ScoredCauseSet, score_cause_set
 from .subset import d_optimal_trial_subset
 
 REFITS_PER_SET = 5
-"""How many further causes are refitted around a set."""
+"""How many further listed causes are refitted around a set."""
 REPLACEMENTS_PER_SET = 2
-"""How many causes are refitted in the place of one of a set."""
+"""How many listed causes are refitted in the place of one of a set."""
 SMALL_FORCE_REFITS_PER_SET = 2
 """How many are refitted that would be most probable if random forces were small."""
 MIN_REFITS_PER_SET, MIN_LOG_ODDS_TO_REFIT = 2, -6.0
 """Limits of the computing time: so many are refitted whatever the expansion says; further ones
-where it says posterior odds of more than e^-6."""
+where it says posterior odds of more than e^-6. Of residual terms, at most so many are refitted in
+each of these steps."""
 MAX_LOG_ODDS_TO_PROPOSE = 25.0
 """A cause whose expansion says that it makes a set e^25 times less probable than the best proposal
 is not refitted."""

@@ -24,6 +24,7 @@ from bluekoi.motor import (
 from bluekoi.motor.beat_regression import misfit_spectrum, slow_trend_basis
 from bluekoi.motor.motor_log import motor_log_coverage
 from bluekoi.motor.shaft_angle import wrap_angle
+from bluekoi.motor.stated_frequency import rounded_frequency_warnings
 
 
 def write_log(path, time_s, angle_deg, header="time_s,angle_deg"):
@@ -435,3 +436,13 @@ def test_a_log_of_noise_is_no_turning_shaft(tmp_path):
     path.write_text("\n".join(["time_s,angle_deg", *lines]))
     with pytest.raises(InputError, match="expected a shaft that turns steadily"):
         flapping_from_log(path)
+
+
+def test_frequencies_rounded_to_a_tenth_of_a_hertz_are_asked_about():
+    """2.04 Hz written as 2.0 gave a loss of thrust that does not exist."""
+    assert rounded_frequency_warnings([2.04, 2.88, 3.5]) == []
+    assert rounded_frequency_warnings([7.1, 8.2]) == []
+    assert rounded_frequency_warnings([2.0]) == []
+    (said,) = rounded_frequency_warnings([2.0, 2.9, 3.5, 0.0])
+    assert "flap_hz is stated to 0.1 Hz, up to 2.5 % off at 2 Hz" in said
+    assert "State it to 0.01 Hz" in said

@@ -8,6 +8,7 @@ from typing import Any
 from .camera.turned_picture import turned_picture_warnings
 from .motor.log_synchrony import log_synchrony_warnings
 from .motor.power_consistency import power_warnings
+from .motor.stated_frequency import rounded_frequency_warnings
 from .motor.swimming_plausibility import clock_and_length_warnings, tail_warnings
 from .pose.exchanged_frames import exchanged_frames_warnings
 from .pose.trial_comparison import comparison_warnings
@@ -38,6 +39,9 @@ def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> l
         *clock_and_length_warnings(statuses),
         *tail_warnings(statuses, study.setup.robot.tail_length_m),
         *power_warnings(statuses, powers),
+        *rounded_frequency_warnings(
+            t.flap_hz for t in study.trials if t.flap_hz is not None and t.motor_log is None
+        ),
         *log_synchrony_warnings(trials, statuses),
         *exchanged_frames_warnings(trials, statuses),
         *turned_picture_warnings(trials, statuses),

@@ -1,0 +1,52 @@
+"""Trials that begin while the robot swims, from a generator that shares nothing with the tool."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bluekoi.camera import map_keypoints, pool_camera
+from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial
+from bluekoi.pose import rigid_pose
+from bluekoi.smoothing import smooth_pose
+from bluekoi.study import load_study
+from validation.generators.campus_pool import generate
+
+
+@pytest.fixture(scope="module")
+def first_speeds(tmp_path_factory: pytest.TempPathFactory) -> tuple[np.ndarray, np.ndarray]:
+    """Measured and true speed in the first frame of nine trials, m/s."""
+    folder = tmp_path_factory.mktemp("swimming")
+    truth = generate(2, 44, folder)["conditions"]
+    study = load_study(folder / "studies" / "campus_pool-2-044")
+    camera, depth = pool_camera(study.setup), study.setup.robot.keypoint_depth_m
+    found = []
+    for trial, hz in zip(study.trials, truth["flap_hz"], strict=True):
+        labels = read_keypoints_of_trial(Path(study.paths(trial)[0]), trial)
+        pose = rigid_pose(
+            map_keypoints(camera, labels, depth), study.setup.robot, trial.head_length_m
+        )
+        found.append(float(smooth_pose(pose, hz).speed_m_s[0]))
+    return np.array(found), np.hypot(*np.array(truth["start"])[:, 3:5].T)
+
+
+def test_most_robots_that_swim_in_the_first_frame_are_not_taken_to_be_at_rest(
+    first_speeds: tuple[np.ndarray, np.ndarray],
+) -> None:
+    """A burst of force in the first frames explained half of such starts; it still explains those
+    whose speed grows most.
+    """
+    found, true = first_speeds
+    swims = true > 0.1
+    right = np.isclose(found[swims], true[swims], rtol=0.25)
+    assert swims.sum() >= 5
+    assert right.mean() >= 0.75
+
+
+def test_a_robot_at_rest_in_the_first_frame_is_at_rest(
+    first_speeds: tuple[np.ndarray, np.ndarray],
+) -> None:
+    found, true = first_speeds
+    assert np.all(found[true == 0] < 0.05)

@@ -128,11 +128,13 @@ def _fitted_models(
         return heading, fit_position(values[:, :2], cov[:, :2, :2], grid, known=known, **other)
 
     rest = fit(True, (None, None), (False, False))
-    if _speeds_up_too_fast(rest[1], grid, hz):
-        return fit(False, rest, [one.coloured for one in rest])
-    if cost_with_moving_start(rest[1]) - rest[1].cost > MIN_LR_STATISTIC_MOVING_START:
+    too_fast = _speeds_up_too_fast(rest[1], grid, hz)
+    unlikely = cost_with_moving_start(rest[1]) - rest[1].cost > MIN_LR_STATISTIC_MOVING_START
+    if unlikely and not too_fast:
         return rest
     moving = fit(False, rest, [any(one.coloured for one in rest)] * 2)
+    if too_fast:
+        return moving
     if any(m.coloured and not r.coloured for m, r in zip(moving, rest, strict=True)):
         rest = fit(True, rest, [one.coloured for one in moving])
     gain = sum(one.cost for one in rest) - sum(one.cost for one in moving)

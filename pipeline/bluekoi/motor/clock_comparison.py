@@ -19,13 +19,13 @@ CLOCK_RATIO_TOLERANCE = 0.02
 MAX_CLOCK_DEVIATION_MADS = 8.0
 """Median absolute deviations beyond which a trial's ratio is another clock's: 5.4 standard
 deviations of a normal distribution."""
+STATED_FREQUENCY_STD_SHARE = 0.01  # ASSUME flap_hz in trials.csv is exact to 1 %
 
 
 def flapping_from_stated_frequency(flap_hz: float) -> FlappingFrequency:
-    """Flapping of a trial whose frequency is stated in trials.csv, taken as exact to 1 %."""
-    return FlappingFrequency(
-        flap_hz=float(flap_hz), flap_hz_std=0.01 * float(flap_hz), source="flap_hz"
-    )
+    """Flapping of a trial whose frequency is stated in trials.csv."""
+    std = STATED_FREQUENCY_STD_SHARE * float(flap_hz)
+    return FlappingFrequency(flap_hz=float(flap_hz), flap_hz_std=std, source="flap_hz")
 
 
 def flapping_compared_with_video(
@@ -80,8 +80,8 @@ def trials_with_deviating_clock(flapping: Mapping[str, FlappingFrequency]) -> li
 
     A ratio of video to motor frequency deviates where it is 2 %, three standard deviations and
     `MAX_CLOCK_DEVIATION_MADS` away from the one that most trials share; where they share none, 25 %
-    from 1. A stated frequency is inexact, so that ratios to it scatter; a camera
-    set to 60 instead of 50 frames/s is a deviation all the same.
+    from 1. Stated frequencies are inexact, so that the ratios of all trials scatter; 60 instead of
+    50 frames/s lie outside such a scatter.
     """
     common = common_clock_ratio(flapping.values())
     ratios = {i: f.ratio for i, f in flapping.items() if math.isfinite(f.ratio)}

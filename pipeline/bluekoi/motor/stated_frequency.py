@@ -4,23 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-MAX_ROUNDING_SHARE = 0.01
-"""Rounding of a stated frequency that needs no warning: as exact as stated frequencies are taken to
-be (`flapping_from_stated_frequency`)."""
+from .clock_comparison import STATED_FREQUENCY_STD_SHARE
+
 MAX_DECIMALS = 6
 """Digits of a number in trials.csv that are looked at."""
 
 
 def rounded_frequency_warnings(stated_hz: Iterable[float]) -> list[str]:
-    """A sentence where all frequencies stated in a study are rounded so coarsely that the thrust,
-    which is proportional to their square, is wrong by more than the fits assume.
+    """A sentence where the frequencies of a study are all rounded by up to more than the error that
+    a stated frequency is taken to have, or no sentence.
     """
     known = [hz for hz in stated_hz if hz > 0]
     if len(known) < 2:
         return []
     unit = 10.0 ** -max(_decimals(hz) for hz in known)
     share = 0.5 * unit / min(known)
-    if share <= MAX_ROUNDING_SHARE:
+    if share <= STATED_FREQUENCY_STD_SHARE:
         return []
     return [
         f"flap_hz is stated to {unit:g} Hz, up to {100 * share:.1f} % off at {min(known):g} Hz. "

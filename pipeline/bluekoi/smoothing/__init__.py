@@ -27,9 +27,9 @@ from .state_space_fit import (
 )
 
 FIRST_BEAT_SHARE, MAX_FIRST_SPEED_SHARE = 0.25, 0.5
-"""A body that has more than half its speed after a quarter of a tail beat did not start from rest:
-at a constant thrust, V tanh(t / T), it would need a time constant below half a beat, and swimmers
-need several. In 1600 simulated trials from rest the share is at most 0.4."""
+"""A body that has more than half its speed after a quarter of a tail beat did not start from rest.
+At a constant thrust, V tanh(t / T), that would take a time constant T below half a beat. In 1600
+simulated trials from rest the speed is then at most 0.4 of that later."""
 
 HeadingAndPositionModels = tuple[FittedMotionModel, FittedMotionModel]
 

@@ -134,7 +134,7 @@ def _(o: Any, p: dict[str, float]) -> None:
 
 @form("camera_shift", "lifted", "optics", 0.01, 0.12, when=(0.2, 0.5), across=(-0.5, 0.5))
 def _(o: Any, p: dict[str, float]) -> None:
-    """The camera was hung higher, and aside, after a break."""
+    """The camera is mounted higher and displaced sideways after one moment of the session."""
     size = p["amp"] * o.true.camera.position[2] * (o.k.order > p["when"]) * (1 + 0 * o.t)
     o.move = np.stack([p["across"] * size, 0 * size, size], axis=-1)
 

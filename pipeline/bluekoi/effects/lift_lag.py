@@ -29,7 +29,7 @@ DEPENDS_ON_VARIABLES = ("angle of attack",)
 EFFECT_DESCRIPTION = (
     "The lift of the head follows changes of angle of attack and speed with a delay."
 )
-MOST_VISIBLE_WHERE = "start of turns and every change of speed; not in the steady circle"
+MOST_VISIBLE_WHERE = "the start of turns and every change of speed; not the steady circle"
 CONFUSED_WITH = ("servo_lag", "added_mass", "motor_spin_up")
 EFFECT_PARAMETERS = (
     Parameter("lagging_share", "1", 0.5, 0.0, 1.2, "share of the lift that lags", symbol="k"),

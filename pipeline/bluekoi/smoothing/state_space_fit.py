@@ -37,10 +37,14 @@ MIN_LR_STATISTIC_COLOURED_NOISE = 10.0
 """Gain in twice the log likelihood that coloured noise must bring."""
 CORRELATION_TIME_UNIT_FRAMES, PRIOR_LOG_COLOURED_STDS = 3.0, (2.0, 1.0)
 """Unit of the correlation time, in frames; prior deviations of log variance and log time."""
-RELATIVE_START_STDS_RESTING, RELATIVE_START_STDS_MOVING = (0.01, 3.0), (3.0, 0.01)
+RELATIVE_START_STDS_RESTING, RELATIVE_START_STDS_MOVING = (0.01, 3.0), (3.0, 1.0)
 """Prior standard deviations of the initial rate of change, over the trial's usual one
 (`ScreenedMeasurements.speed`), and of the initial acceleration, over usual rate / T: for a start
 from rest, and for one in motion."""
+STEADY_ACCELERATION_VARIANCE_SHARE = 1e-4
+"""Prior variance of the initial acceleration of a body in steady motion, over that of a body that
+gains speed in the first frames. The yaw rate is taken to be steady: its growth at the start of a
+turn and the recoil of the heading look alike."""
 RESTING_RECOIL_VARIANCE_SHARE = 1e-4
 """Prior variance of the recoil of a body at rest, over that of the recoil in motion. Where the
 first frames show a recoil of full size (the tail beats while the body is held), it is 1."""
@@ -134,20 +138,16 @@ def cost_with_moving_start(fitted: FittedMotionModel) -> float:
     """Cost of a model fitted from rest, were the body moving in the first frame; same noise."""
     m = fitted.model.z.shape[1]
     factor = (RELATIVE_START_STDS_MOVING[0] / RELATIVE_START_STDS_RESTING[0]) ** 2
-    return _cost_with_start_variance(fitted, np.arange(m, 2 * m), factor)
+    P0 = fitted.model.P0.copy()
+    P0[np.arange(m, 2 * m), np.arange(m, 2 * m)] *= factor
+    return _cost_with_start(fitted, P0)
 
 
-def _cost_with_start_variance(
-    fitted: FittedMotionModel, states: np.ndarray, factor: float
-) -> float:
-    """Cost of a model, were the variance of some states in the first frame larger; same noise."""
-    model, P0 = fitted.model, fitted.model.P0.copy()
-    P0[states, states] *= factor
-    gate, other = outlier_gate(model.z.shape[1]), replace(model, P0=P0)
-    gain = minus_two_log_likelihood(other, fitted.first, gate) - minus_two_log_likelihood(
-        model, fitted.first, gate
-    )
-    return fitted.cost + gain
+def _cost_with_start(fitted: FittedMotionModel, P0: Float) -> float:
+    """Cost of a model, were P0 the covariance of its first state; same noise."""
+    model, gate = fitted.model, outlier_gate(fitted.model.z.shape[1])
+    other = minus_two_log_likelihood(replace(model, P0=P0), fitted.first, gate)
+    return fitted.cost + other - minus_two_log_likelihood(model, fitted.first, gate)
 
 
 def _fit_motion_model(
@@ -166,12 +166,15 @@ def _fit_motion_model(
     units = _noise_units(data, grid, recoils)
     x0, widths = _initial_state_prior(data, grid.scale_s, recoils, resting)
     share = RESTING_RECOIL_VARIANCE_SHARE if resting else 1.0
+    free = 1.0 if resting or m > 1 else STEADY_ACCELERATION_VARIANCE_SHARE
 
-    def build(logs: Float, recoil_share: float = share) -> LinearGaussianModel:
+    def build(
+        logs: Float, recoil_share: float = share, acceleration_share: float = free
+    ) -> LinearGaussianModel:
         noise = units * np.exp(logs[:-1])
         F, Q = matrices(noise)
         steady = 0.0 if resting else 0.5 * noise[0] * noise[2]
-        first = np.concatenate([widths[:2], widths[2:] + steady])
+        first = np.array([*widths[:2], widths[2] * acceleration_share + steady])
         beats = noise[len(noise) - recoils :] * recoil_share
         P0 = np.diag(np.concatenate([np.repeat(first, m), np.repeat(beats, 2)]))
         return LinearGaussianModel(F, Q, H, data.R * np.exp(logs[-1]), data.z, x0, P0)
@@ -195,12 +198,14 @@ def _fit_motion_model(
         more_starts=_starting_log_noise(m, recoils, np.maximum(largest, LOG_START_NOISE)),
         **common,
     )
-    beating = np.arange(3 * m, 3 * m + 2 * recoils)
-    if share < 1.0 and (
-        _cost_with_start_variance(found, beating, 1.0 / share)
-        < found.cost - MIN_LR_STATISTIC_MOVING_START
-    ):
-        build = partial(build, recoil_share=1.0)
+    other, gain = (
+        (partial(build, recoil_share=1.0), MIN_LR_STATISTIC_MOVING_START)
+        if resting
+        else (partial(build, acceleration_share=STEADY_ACCELERATION_VARIANCE_SHARE),
+              -MIN_LR_STATISTIC_MOVING_START)
+    )  # fmt: skip
+    if _cost_with_start(found, other(found.logs).P0) < found.cost - gain:
+        build = other
         found = fit_process_noise(build, data.seen, starts=[found.logs, *starts], **common)
     if found.logs[-1] > MAX_LOG_NOISE_RATIO_COLOURED and not coloured:
         return found

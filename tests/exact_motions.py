@@ -44,6 +44,15 @@ def straight_line(t: Float, speed: float = 0.3, heading: float = 0.3) -> Motion:
     return Motion(t, xy, np.full(n, heading), np.tile(speed * way, (n, 1)), np.zeros(n))
 
 
+def gaining_speed(t: Float, first: float = 0.15, last: float = 0.3, T: float = 1.2) -> Motion:
+    """Straight ahead at a constant thrust against quadratic drag, v = last tanh(t / T + c)."""
+    c = np.arctanh(first / last)
+    zero, n = np.zeros_like(t), len(t)
+    way = last * T * (np.log(np.cosh(t / T + c)) - np.log(np.cosh(c)))
+    v = np.column_stack([last * np.tanh(t / T + c), zero])
+    return Motion(t, np.column_stack([0.3 + way, zero + 0.8]), np.zeros(n), v, np.zeros(n))
+
+
 def circle(t: Float, radius: float = 0.5, speed: float = 0.35, drift_rad: float = 0.15) -> Motion:
     """Steady turn; the core points `drift_rad` inside the path."""
     w = speed / radius

@@ -170,3 +170,13 @@ def test_a_folder_without_study_is_pre_filled_and_saved_as_one(tmp_path):
     assert done == ["study.yaml saved", "trials.csv saved"]
     assert load_study(tmp_path).trials[0].head_angle_deg == 20
     assert "# Mass of the robot" in (tmp_path / "study.yaml").read_text()
+
+
+def test_a_key_that_stood_there_as_a_comment_is_set_below_its_own_explanation(tmp_path):
+    draft = read_draft(tmp_path)
+    save_draft(with_study_values(draft, camera__image_size_px="[1920, 1080]"), tmp_path)
+    lines = (tmp_path / "study.yaml").read_text().splitlines()
+    at = lines.index("  image_size_px: [1920, 1080]")
+    assert lines[at - 1].startswith("  # Width and height of the calibration images")
+    assert "  # matrix:" in lines
+    assert sum("image_size_px" in line for line in lines) == 1

@@ -32,8 +32,14 @@ CORNER_CLICKS = {
 }
 ROBOT = {"body_length_m": 0.331, "head_length_m": 0.12, "head_span_m": 0.069, "mass_kg": 0.68,
          "hinge_to_com_m": 0.04, "tail_length_m": 0.066, "yaw_inertia_kg_m2": 0.0095}  # fmt: skip
+TYPED_LISTS = (
+    ("image_size_px", "1920 x 1080", "[1920, 1080]"),
+    ("distortion", "\N{MINUS SIGN}0.03, 0.01, 0, 0", "[-0.03, 0.01, 0, 0]"),
+    ("matrix", "9 0 4, 0 9 2, 0 0 1", "[[9, 0, 4], [0, 9, 2], [0, 0, 1]]"),
+)
+"""Keys, what is typed without brackets, and the list that it stands for."""
 TYPE_SCRIPT = """((id, text) => { const e = document.getElementById(id); e.focus(); e.value = text;
-  e.dispatchEvent(new Event("input", {bubbles: true})); })"""
+  for (const kind of ["input", "change"]) e.dispatchEvent(new Event(kind, {bubbles: true})); })"""
 PLACE_SCRIPT = """((label) => { const e = [...document.querySelectorAll(".handle")]
   .find((one) => one.dataset.label === label && one.getClientRects().length);
   e.scrollIntoView({block: "center"}); const f = e.closest(".frame"), r = e.getBoundingClientRect();
@@ -75,6 +81,9 @@ class Page:
     def text(self, name: str) -> str:
         return self.tab.evaluate(f"document.getElementById({json.dumps(name)}).textContent")
 
+    def stored(self, what: str) -> str:
+        return self.tab.evaluate(f"import('./page/store.js').then((m) => {what})")
+
     def click(self, name: str) -> None:
         self.tab.evaluate(f"document.getElementById({json.dumps(name)}).click()")
 
@@ -105,6 +114,22 @@ def videos(tmp_path_factory):
     return demo
 
 
+def corners_count_once_all_four_are_placed(page: Page) -> None:
+    for label, at in CORNER_CLICKS.items():
+        assert "pool_corners_px" not in page.stored("Object.keys(m.store.values).join()")
+        page.drag(f"Corner {label}", at)
+    page.fitted()
+
+
+def lists_without_brackets_are_understood(page: Page) -> None:
+    page.step("camera")
+    assert "No calibration" in page.text("camera-state")
+    for key, typed, kept in TYPED_LISTS:
+        page.type(f"camera.{key}", typed)
+        page.until(f"document.getElementById('camera.{key}').value === '{kept}'")
+        page.type(f"camera.{key}", "")
+
+
 def test_from_a_folder_of_videos_to_a_saved_study(videos, tmp_path):
     folder = tmp_path / "new"
     for part in ("videos", "motor"):
@@ -115,12 +140,11 @@ def test_from_a_folder_of_videos_to_a_saved_study(videos, tmp_path):
             page.type(f"pool.{name}", value)
         page.until("document.getElementById('pool.depth_m-error').textContent.includes('number')")
         page.type("pool.depth_m", 0.3)
-        for label, at in CORNER_CLICKS.items():
-            page.drag(f"Corner {label}", at)
-        page.fitted()
+        corners_count_once_all_four_are_placed(page)
         page.click("pool-use")
         page.fitted()
         assert "confirm these corners" in page.text("pool-fit")
+        lists_without_brackets_are_understood(page)
         page.step("robot")
         for name, value in ROBOT.items():
             page.type(f"robot.{name}", value)

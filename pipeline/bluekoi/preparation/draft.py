@@ -21,6 +21,7 @@ from ruamel.yaml.error import YAMLError
 from ..errors import input_error, unreadable_reason
 from ..files import atomic_write, read_text
 from ..study.key_reference import setting_keys
+from .commented_keys import with_commented_keys_in_place
 from .prefill import blank_study_yaml, prefilled_trial_rows, study_files, trials_csv
 
 STUDY_FILES = ("study.yaml", "trials.csv")
@@ -207,7 +208,9 @@ def edited_texts(
     draft: Draft, folder: Path, texts: tuple[str | None, str | None]
 ) -> tuple[str, str]:
     """Texts of both files with what the draft says."""
-    content = _yaml_document(folder, texts[0])
+    given = [name for name, value in draft.values.items() if value.strip()]
+    whole = blank_study_yaml() if texts[0] is None else texts[0]
+    content = _yaml_document(folder, with_commented_keys_in_place(whole, given))
     edited = _update_document(content, draft.values)
     study = texts[0]
     if edited or study is None:

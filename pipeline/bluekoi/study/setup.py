@@ -92,8 +92,8 @@ class Robot(Section):
     """
 
     mass_kg: Positive = described_field(
-        "Mass of the robot, without added mass. All coefficients are proportional to it, and no "
-        "recording can check it.",
+        "Mass of the robot as it swims, with the water in its hull, without added mass. All "
+        "coefficients are proportional to it, and no recording can check it.",
         "kg",
     )
     yaw_inertia_kg_m2: Positive = described_field(
@@ -102,9 +102,11 @@ class Robot(Section):
         "kg m2",
     )
     body_length_m: Positive = described_field(
-        "Nose to caudal base (root of the tail), with the 1x head.", "m"
+        "Nose to caudal base (root of the tail), with the standard (1x) head.", "m"
     )
-    head_length_m: Positive = described_field("Length of the 1x head: nose to hinge.", "m")
+    head_length_m: Positive = described_field(
+        "Length of the standard (1x) head: nose to hinge.", "m"
+    )
     head_span_m: Positive = described_field(
         "Vertical extent of the head plate; head area = head length x span. Coefficients of forces "
         "are inversely proportional to it, and no recording can check it.",

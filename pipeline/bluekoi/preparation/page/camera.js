@@ -1,7 +1,7 @@
 // The calibration: from a file, computed from pictures of a board, or none.
 
 import { fill } from "./fields.js";
-import { ask, element, on, setValue, store, tell } from "./store.js";
+import { ask, element, numbers, on, setValue, store, tell } from "./store.js";
 
 const LENS = ["camera.model", "camera.image_size_px", "camera.matrix", "camera.distortion"];
 const id = (name) => document.getElementById(name);
@@ -12,10 +12,14 @@ function said(text, good = true) {
 }
 
 function shownState() {
-  const size = store.values["camera.image_size_px"];
-  id("camera-state").textContent = store.values["camera.matrix"]
-    ? `Calibrated: ${store.values["camera.model"] ?? "pinhole"} lens, pictures of ${size ?? "unknown"} px.`
-    : "No calibration: the pool's corners alone map the picture (homography).";
+  const size = numbers(store.values["camera.image_size_px"] ?? "");
+  const wrong = store.findings.some((one) => LENS.includes(one.key));
+  const error = store.fit?.sentences.find((one) => one.includes("distortion"));
+  id("camera-state").textContent = !store.values["camera.matrix"]
+    ? `No calibration: the pool's corners alone map the picture (homography)${error ? `; ${error}` : ""}.`
+    : wrong ? "The calibration is not complete: see the numbers below."
+      : `Calibrated: ${store.values["camera.model"] ?? "pinhole"} lens, pictures of ${size?.join(" x ") ?? "unknown"} px.`;
+  if (wrong) id("camera-numbers").open = true;
   id("camera-drop").disabled = !store.values["camera.matrix"];
   id("camera-files").replaceChildren(...(store.files.cameras ?? []).map((value) => element("option", { value })));
 }
@@ -50,6 +54,7 @@ export function start() {
   };
   on("value", shownState);
   on("reload", shownState);
+  on("findings", shownState);
 }
 
 export function show() {

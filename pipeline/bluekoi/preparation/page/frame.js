@@ -134,6 +134,7 @@ export class FrameView {
     });
     button.addEventListener("focus", () => this.magnify(handle));
     button.addEventListener("blur", () => { this.magnifier.hidden = true; });
+    this.frame.addEventListener("pointerleave", ({ buttons }) => { if (!buttons) this.magnifier.hidden = true; });
     this.frame.append(button);
     this.handles.push(handle);
     this.place(handle);

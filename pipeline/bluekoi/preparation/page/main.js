@@ -18,6 +18,8 @@ function steps() {
     const wrong = store.findings.filter((one) => run.stepOf(one) === name).length;
     const link = element("a", { href: `#${name}` }, `${k + 1} ${title(name)}`);
     if (wrong) link.append(element("span", { className: "count", textContent: wrong, title: `${wrong} entries missing or wrong` }));
+    else if (name === "pool" && store.fit && !store.fit.confirmed) link.append(element("span", { className: "count", textContent: "?", title: "the edges seen do not confirm the corners" }));
+    else if (name === "camera" && !store.values["camera.matrix"]) link.append(element("span", { className: "fine", textContent: "–", title: "no calibration" }));
     else if (!["preview", "run"].includes(name)) link.append(element("span", { className: "fine", textContent: "✓", title: "complete" }));
     if (name === current()) link.setAttribute("aria-current", "step");
     return element("li", {}, link);

@@ -2,11 +2,12 @@
 
 import { fill } from "./fields.js";
 import { FrameView, chosen, line, svg } from "./frame.js";
-import { ask, element, numbers, on, setValue, store } from "./store.js";
+import { ask, element, numbers, on, setValue, store, tell } from "./store.js";
 
 const KEY = "camera.pool_corners_px";
 const NAMES = ["(0,0)", "(L,0)", "(L,W)", "(0,W)"];
-let view, handles = [], fit = null, history = [], busy = false, again = false;
+// The corners count once all four are placed: until then they stay here.
+let view, handles = [], fit = null, history = [], partial = null, busy = false, again = false;
 const placed = new Set();
 const id = (name) => document.getElementById(name);
 
@@ -27,8 +28,10 @@ function put(points, remember = true) {
   setValue(KEY, text(points));
 }
 
+const shown = () => corners() ?? partial ?? guess();
+
 function draw() {
-  const points = (corners() ?? guess()).map((p) => view.toFrame(p));
+  const points = shown().map((p) => view.toFrame(p));
   const parts = [];
   const lens = fit?.grid_px?.length > 0;
   if (fit) {
@@ -61,10 +64,10 @@ function table() {
 async function refit() {
   const said = id("pool-fit");
   table();
-  if (!corners()) {
+  if (!corners() && !placed.size) {
     said.className = "";
     said.textContent = "Drag the four circles (or move them with the arrow keys) to the corners of the pool. They stay in the order (0,0), (L,0), (L,W), (0,W), counter-clockwise; any corner may be (0,0) if the next one lies along the pool's length.";
-    fit = null;
+    forget();
     draw();
     return;
   }
@@ -77,6 +80,7 @@ async function refit() {
   said.className = "";
   if (open.length) {
     said.textContent = `Now drag ${open.join(", ")}.`;
+    forget();
     return;
   }
   said.textContent = "Fitting the edges …";
@@ -93,7 +97,7 @@ async function refit() {
     verdict();
   } catch (error) {
     if (again) return;
-    fit = null;
+    forget();
     said.className = "bad";
     said.textContent = error.message;
   } finally {
@@ -104,7 +108,15 @@ async function refit() {
   draw();
 }
 
+function forget() {
+  fit = null;
+  store.fit = null;
+  tell("findings");
+}
+
 function verdict() {
+  store.fit = fit;
+  tell("findings");
   id("pool-use").classList.remove("main");
   const said = id("pool-fit"), off = Math.max(...fit.off_px.map((x) => x ?? 0));
   const whole = fit.suggested_px.every((p) => p[0] !== null);
@@ -127,8 +139,9 @@ export function start() {
   id("pool-use").onclick = () => { put(fit.suggested_px); place(); refit(); };
   id("pool-inner").onclick = () => { put(fit.inner_rim_px.map((p) => view.toStudy(p))); place(); refit(); };
   id("pool-turn").onclick = () => {
-    const points = corners() ?? guess();
-    put([points[3], ...points.slice(0, 3)]);
+    const [first, second, third, fourth] = shown(), next = [fourth, first, second, third];
+    if (corners()) put(next);
+    else partial = next;
     const turned = [...placed].map((k) => (k + 1) % 4);
     placed.clear();
     turned.forEach((k) => placed.add(k));
@@ -138,6 +151,7 @@ export function start() {
   id("pool-undo").onclick = () => {
     if (!history.length) return;
     setValue(KEY, history.pop());
+    NAMES.forEach((_, k) => placed.add(k));
     place();
     refit();
   };
@@ -152,15 +166,16 @@ export function start() {
 
 function place() {
   if (!view.size[0]) return;
-  const points = corners() ?? guess();
+  const points = shown();
   if (!handles.length && corners()) NAMES.forEach((_, k) => placed.add(k));
   const before = document.activeElement;
   if (!handles.length) handles = NAMES.map((name, k) => view.handle(`Corner ${name}`, view.toFrame(points[k]), {
     moved: (at) => {
-      const all = corners() ?? guess();
+      const all = shown();
       all[k] = view.toStudy(at);
       placed.add(k);
-      setValue(KEY, text(all));
+      if (placed.size === NAMES.length) setValue(KEY, text(all));
+      else partial = all;
       draw();
       table();
     },

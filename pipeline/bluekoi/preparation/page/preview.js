@@ -10,7 +10,8 @@ const filmed = () => store.rows.filter((row) => row.trial_id && row.source && !/
 
 function dots(found) {
   return element("span", { className: "dots", "aria-hidden": "true" },
-    ...found.likelihood.map((p) => element("i", { className: p >= 0.6 ? "yes" : p > 0 ? "weak" : "" })));
+    ...found.likelihood.map((p, k) => element("i", { className: p >= 0.6 ? "yes" : p > 0 ? "weak" : "",
+      title: `frame ${k + 1}: likelihood ${p}`, "data-share": k / Math.max(found.frames - 1, 1) })));
 }
 
 function list() {
@@ -21,7 +22,10 @@ function list() {
     const button = element("button", { className: "trial" }, element("strong", { textContent: row.trial_id }), state,
       ...(found ? [dots(found)] : []), ...remarks.map((text) => element("span", { className: "remarks", textContent: text })));
     button.setAttribute("aria-pressed", String(row.trial_id === selected));
-    button.onclick = () => pick(row);
+    button.onclick = ({ target }) => {
+      if (target.dataset.share) chosen.share = Number(target.dataset.share);
+      pick(row);
+    };
     return button;
   }));
   if (!filmed().length) id("preview-list").textContent = "No trial with a video yet: see Trials.";
@@ -80,7 +84,8 @@ function draw() {
   const parts = [line(points, { stroke: "#ff3c3c", "stroke-width": 1.5 })];
   points.forEach((p, i) => { if (p[0] !== null) parts.push(svg("circle", { cx: p[0] + 0.5, cy: p[1] + 0.5, r: view.size[0] / 250, stroke: colours[i % 5], "stroke-width": 2 })); });
   view.draw(parts);
-  const said = points.some((p) => p[0] !== null) ? `likelihood ${found.likelihood[k]}` : "not found";
+  const doubt = found.likelihood[k] < 0.6 ? ": doubtful, left out of the analysis" : "";
+  const said = points.some((p) => p[0] !== null) ? `likelihood ${found.likelihood[k]}${doubt}` : "not found";
   id("preview-about").textContent = `Frame ${k + 1} of ${found.frames} (${found.time_s[k].toFixed(2)} s): ${said}. ${found.names.join(", ")} from nose to tail.${found.consecutive ? " The first frames, since start_x_px names one of several bodies." : ""}`;
 }
 

@@ -93,11 +93,16 @@ function detected() {
   outline();
 }
 
+function placeable() {
+  const row = store.rows.find((one) => one.source === chosen.source);
+  id("robot-place").disabled = !store.previews.get(row?.trial_id);
+}
+
 export function start() {
   fill("robot-fields", KEYS);
   fill("detection-fields", ["detection.source", "detection.body", "detection.marker_hues_deg"]);
   fetch("page/robot.svg").then((answer) => answer.text()).then((text) => { id("robot-drawing").innerHTML = text; });
-  view = new FrameView("robot-frame", { onPicture: () => { shown(); place(); } });
+  view = new FrameView("robot-frame", { onPicture: () => { shown(); place(); placeable(); } });
   for (const name of ["robot-angle", "robot-head"]) id(name).addEventListener("input", outline);
   id("robot-place").onclick = detected;
   on("focus", (key) => {

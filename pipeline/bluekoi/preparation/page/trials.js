@@ -1,6 +1,6 @@
 // trials.csv as a table: pre-filled, pasted into, filled down, every error under its cell.
 
-import { words } from "./fields.js";
+import { plainMinus, words } from "./fields.js";
 import { ask, changed, element, on, store } from "./store.js";
 
 const USUAL = ["trial_id", "source", "power_pct", "head_angle_deg", "head_length_m", "motor_log"];
@@ -97,7 +97,7 @@ function paste(event) {
   remember();
   const names = columns(), first = names.indexOf(input.dataset.column), top = Number(input.dataset.row);
   const lines = text.split(/\r?\n/).map((one) => one.split("\t"));
-  lines.forEach((cells, i) => cells.forEach((value, j) => { if (names[first + j]) set(top + i, names[first + j], value.trim()); }));
+  lines.forEach((cells, i) => cells.forEach((value, j) => { if (names[first + j]) set(top + i, names[first + j], plainMinus(value.trim())); }));
   id("trials-said").textContent = `Pasted ${lines.length} rows.`;
   render(true);
   changed();
@@ -107,10 +107,13 @@ function fillDown() {
   if (!last) { id("trials-said").textContent = "Select a cell first."; return; }
   remember();
   const text = store.rows[last.row][last.column] ?? "";
+  const next = store.rows[last.row + 1]?.[last.column] ?? "";
   let count = 0;
-  for (let k = last.row + 1; k < store.rows.length; k += 1)
-    if (!store.rows[k][last.column]) { set(k, last.column, text); count += 1; }
-  id("trials-said").textContent = `Filled ${count} empty cells below with ${text}.`;
+  for (let k = last.row + 1; k < store.rows.length; k += 1) {
+    const old = store.rows[k][last.column] ?? "";
+    if (!old || old === next) { set(k, last.column, text); count += 1; }
+  }
+  id("trials-said").textContent = `Filled ${count} cells below with ${text}${next ? `, in place of ${next}` : ""}.`;
   render(true);
   select(last.row, last.column);
   changed();
@@ -119,7 +122,7 @@ function fillDown() {
 export function start() {
   const table = id("trials-table");
   table.addEventListener("input", ({ target }) => {
-    set(Number(target.dataset.row), target.dataset.column, target.value.trim());
+    set(Number(target.dataset.row), target.dataset.column, plainMinus(target.value.trim()));
     changed();
   });
   table.addEventListener("change", ({ target }) => {
@@ -143,6 +146,7 @@ export function start() {
   id("trials-undo").onclick = () => {
     if (!history.length) return;
     store.rows = JSON.parse(history.pop());
+    id("trials-said").textContent = "";
     render(true);
     changed();
   };

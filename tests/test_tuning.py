@@ -123,25 +123,6 @@ def test_the_error_of_the_recoil_counts_where_it_builds_up(
     np.testing.assert_array_equal(np.isfinite(other.seen), np.isfinite(one.seen))
 
 
-def test_velocities_at_rest_are_known_better_than_those_of_a_swimming_robot(
-    published_model_study: MeasuredStudy,
-) -> None:
-    """The path of a free run had its start at 0.25 m/s where the robot was at rest."""
-    study, t = published_model_study.study, np.arange(120) / 30
-    cov = np.tile(np.diag([2e-4] * 4) ** 2, (120, 1, 1))
-    noise = np.random.default_rng(3).normal(0, 2e-4, (120, 4))
-    deviations = {}
-    for name, way in (("rest", np.log(np.cosh(t))), ("swimming", t)):
-        still = np.zeros_like(t)
-        pose = Pose(t, np.column_stack([0.3 + 0.2 * way, still + 0.8, still, still]) + noise, cov)
-        track = smooth_pose(pose, 2.5)
-        flapping = FlappingFrequency(2.5, 0.0, "flap_hz")
-        one = trial_series(study.trials[0], study.setup, pose, track, flapping)
-        deviations[name] = np.sqrt(np.diag(one.cov))[:6]
-    assert deviations["swimming"] == pytest.approx([0.1, 0.1, 0.05, 0.05, 0.05, 0.3], rel=0.01)
-    assert deviations["rest"] == pytest.approx([0.1, 0.1, 0.05, 0.025, 0.025, 0.15], rel=0.01)
-
-
 def test_random_forces_go_with_the_flapping_frequency(
     published_model_study: MeasuredStudy,
 ) -> None:

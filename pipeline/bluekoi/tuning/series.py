@@ -23,11 +23,6 @@ NOISE_REFERENCE_FLAP_HZ = 3.5
 """Flapping frequency of the published robot at which `Noise.disturbance` states the forces."""
 INITIAL_STATE_STD = np.array([0.1, 0.1, 0.05, 0.05, 0.05, 0.3])  # m, m, rad, m/s, m/s, rad/s
 """For the published robot; of the place as much as the centre of mass may be off the keypoint."""
-RESTING_VELOCITY_STD_SHARE = 0.5
-"""Standard deviations of the velocities in the first frame of a trial from rest, over those of
-`INITIAL_STATE_STD`. Of 0.1, 0.2, 0.3, 0.5 and 1, the trials of 16 studies are most likely with 0.3
-and nearly so with 0.5, which leaves room for a motor that starts some hundredths of a second late
-(docs/decisions/059)."""
 MIN_SWIMMING_START_SHARE = 0.3
 """Speed in the first frame, over that of the second half, above which a trial begins swimming. Of
 1600 simulated trials from rest, one has more than 0.12 (0.17); the true speeds of 405 simulated
@@ -79,7 +74,7 @@ def trial_series(
     noise[unusable] = np.eye(4)
     start = _initial_state_from_track(times, track)
     swims = _swims_in_first_frame(track)
-    start_std = _initial_state_std(robot_units(setup.robot), swims)
+    start_std = state_std_scaled_to_robot(robot_units(setup.robot), INITIAL_STATE_STD)
     others = len(two_plate_system().all_states) - len(start_std)
     return TrialSeries(
         name=trial.trial_id,
@@ -106,12 +101,6 @@ def _swims_in_first_frame(track: Track) -> bool:
     """Whether the trial begins while the robot swims: the motor started long before."""
     steady = float(np.nanmedian(track.speed_m_s[len(track.time_s) // 2 :]))
     return float(track.speed_m_s[0]) > MIN_SWIMMING_START_SHARE * steady
-
-
-def _initial_state_std(units: RobotUnits, swims: bool) -> Float:
-    """Standard deviations (6,) of x, y, heading, surge, sway and yaw rate in the first frame."""
-    std = state_std_scaled_to_robot(units, INITIAL_STATE_STD)
-    return std if swims else std * [1, 1, 1, *[RESTING_VELOCITY_STD_SHARE] * 3]
 
 
 def _random_force_size(flap_hz: float, units: RobotUnits) -> float:

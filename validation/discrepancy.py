@@ -24,7 +24,7 @@ from bluekoi.engine.candidates import Candidate, strength_step
 from bluekoi.engine.expansion import LikelihoodExpansion, expand_likelihood_in_all_forms
 from bluekoi.engine.problem import CauseSearchProblem
 from bluekoi.engine.refit import fit_cause_set
-from bluekoi.fitting import rms_forces
+from bluekoi.fitting import rms_forces_of_parameter_changes
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
@@ -86,7 +86,9 @@ def _force_ratios(
         for v in moved:
             v[system.slot[free.name]] += step
         changes.append(moved)
-    found = rms_forces(problem.kernel, model.passes, points, changes, model.noise)
+    found = rms_forces_of_parameter_changes(
+        problem.kernel, model.passes, points, changes, model.noise
+    )
     own, *units = found / np.array(steps)[:, None]
     return np.array([own[k] / unit[k] for unit in units for k in [int(np.argmax(unit))]])
 

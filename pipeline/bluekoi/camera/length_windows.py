@@ -22,8 +22,10 @@ def window_means(distances: RigidDistances) -> RigidDistances:
     taken as independent.
     """
     step = LENGTH_WINDOW_S
-    while len(np.unique(keys := _window_keys(distances, step), axis=0)) > MAX_LENGTH_WINDOWS:
+    keys = _window_of_each_distance(distances, step)
+    while len(np.unique(keys, axis=0)) > MAX_LENGTH_WINDOWS:
         step *= 2.0
+        keys = _window_of_each_distance(distances, step)
     _, place = np.unique(keys, axis=0, return_inverse=True)
     count = np.bincount(place).astype(float)
 
@@ -37,7 +39,7 @@ def window_means(distances: RigidDistances) -> RigidDistances:
     return RigidDistances(**{**means, "std_m": np.sqrt(variance / count)})
 
 
-def _window_keys(distances: RigidDistances, step_s: float) -> Float:
+def _window_of_each_distance(distances: RigidDistances, step_s: float) -> Float:
     """Trial, pair and window (n, 3) of each distance."""
     return np.column_stack(
         [distances.trial, distances.pair, np.floor(distances.time_s / step_s)]

@@ -16,7 +16,7 @@ from .report import results_folder
 if TYPE_CHECKING:
     from ..comparison import Difference, RunResults
 
-COMPARISON_COLUMNS = ("section", "name", "first", "second", "difference", "standard_deviations")
+COMPARISON_CSV_COLUMNS = ("section", "name", "first", "second", "difference", "standard_deviations")
 """Columns of comparison.csv."""
 MARKED_ABOVE_STDS = 3.0
 """Numbers that differ by this many standard deviations are marked."""
@@ -88,7 +88,7 @@ def _write_comparison(out: Path, found: Sequence[Difference], runs: Sequence[Run
         [d.section, d.name, d.first, d.second, _number_text(d.difference), _number_text(d.sigmas)]
         for d in found
     )
-    write_rows(out / "comparison.csv", [COMPARISON_COLUMNS, *rows])
+    write_rows(out / "comparison.csv", [COMPARISON_CSV_COLUMNS, *rows])
     labels = [run.folder.name or str(run.folder.resolve().name) for run in runs]
     if labels[0] == labels[1]:
         labels = [str(run.folder) for run in runs]

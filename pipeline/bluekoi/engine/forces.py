@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import FreeParameter, rms_forces
+from ..fitting import FreeParameter, rms_forces_of_parameter_changes
 from ..integrate import System
 from .candidates import Candidate, strength_step
 from .problem import CauseSearchProblem
@@ -29,7 +29,9 @@ def rms_force_by_cause(problem: CauseSearchProblem, model: FittedCauseSet) -> di
     changes = [[_values_without_cause(system, v, c) for v in points] for c in causes]
     changes += [[_values_with_strength_step(system, v, f, h) for v in points]
                 for f, h in zip(terms, steps, strict=True)]  # fmt: skip
-    found = rms_forces(problem.kernel, model.passes, points, changes, model.noise)
+    found = rms_forces_of_parameter_changes(
+        problem.kernel, model.passes, points, changes, model.noise
+    )
     own = dict(zip((c.name for c in causes), found, strict=False))
     units = found[len(causes) :] / np.array(steps)[:, None]
     return own | dict(zip((f.label for f in terms), units, strict=True))

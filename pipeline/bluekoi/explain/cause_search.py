@@ -44,8 +44,8 @@ from .feedback import feedback_sentences
 from .fit_quality import (
     error_sentences,
     input_term_sentences,
-    overdispersion_sentences,
     refuse_far_larger_errors,
+    trial_disagreement_sentences,
 )
 from .model import Model
 from .numbers import FittedNumber, at_bound_sentences, fitted_numbers, undetermined_sentences
@@ -255,7 +255,7 @@ def _cause_search_warnings(
     base: list[FittedNumber],
 ) -> list[str]:
     out = [*ready.warnings, *unusual_recording_warnings(ready.model, trials)]
-    out += overdispersion_sentences(best)
+    out += trial_disagreement_sentences(best)
     out += error_sentences(ready, best.model)
     out += input_term_sentences(ready, best.causes)
     if len(best.causes) == ready.problem.most_causes:

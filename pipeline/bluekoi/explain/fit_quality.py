@@ -28,7 +28,7 @@ MIN_DEVIATING_SHARE = 0.5
 """Share of one trial in the variation between trials, above which it is named."""
 
 
-def overdispersion_sentences(best: ScoredCauseSet) -> list[str]:
+def trial_disagreement_sentences(best: ScoredCauseSet) -> list[str]:
     """A sentence where the trials disagree, with the trial that deviates if it is one."""
     if (c := best.overdispersion) <= MAX_OVERDISPERSION:
         return []

@@ -13,6 +13,8 @@ from ..fitting import TrialSeries
 
 MIN_SAMPLES_PER_BLOCK = 5
 """Blocks of fewer samples are not averaged."""
+MIN_BLOCKS_PER_TRIAL = 5
+"""A trial that gives fewer blocks is not averaged."""
 BLOCK_POLYNOMIAL_DEGREE = 2
 """Degree of the polynomial through the samples of a block."""
 
@@ -20,7 +22,7 @@ BLOCK_POLYNOMIAL_DEGREE = 2
 def block_averaging_rate_hz(times: Sequence[Float], rate_hz: float) -> float:
     """The rate, or infinity where some trial has fewer than five samples in a block of it."""
     sizes = [_samples_per_block(t, rate_hz) for t in times]
-    enough = all(k >= MIN_SAMPLES_PER_BLOCK and len(t) // k >= MIN_SAMPLES_PER_BLOCK
+    enough = all(k >= MIN_SAMPLES_PER_BLOCK and len(t) // k >= MIN_BLOCKS_PER_TRIAL
                  for k, t in zip(sizes, times, strict=True))  # fmt: skip
     return rate_hz if enough else np.inf
 

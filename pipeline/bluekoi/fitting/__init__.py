@@ -18,7 +18,7 @@ from .joint_fit import (
     fit_parameters_jointly,
     regularised_fisher_inverse,
 )
-from .missing_force import MissingForce, added_force, missing_force, rms_forces
+from .missing_force import MissingForce, added_force, missing_force, rms_forces_of_parameter_changes
 from .noise import estimate_noise_model
 from .normal import (
     NormalEquationsByTrial,
@@ -77,7 +77,7 @@ __all__ = [
     "off_bounds",
     "parametric_bootstrap",
     "regularised_fisher_inverse",
-    "rms_forces",
+    "rms_forces_of_parameter_changes",
     "rts_smooth",
     "slots_by_name",
     "student_t_draws",

@@ -78,7 +78,7 @@ def added_force(
     return out
 
 
-def rms_forces(
+def rms_forces_of_parameter_changes(
     kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float],
     changes: Sequence[Sequence[Float]], noise: Noise,
 ) -> Float:  # fmt: skip

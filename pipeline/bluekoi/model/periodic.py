@@ -97,7 +97,7 @@ def yaw_with_heading(
     return 0.0, 0.0, sinusoidal_force_profile(psi - q * phi, s, c, W)
 
 
-PERIODIC_FORCE_VARIABLES = {
+VARIABLE_UNIT_AND_TRIED_W_BY_ENDING = {
     "with_time": ("time", "rad/s", TRIED_RATES_RAD_S),
     "along_x": ("place", "rad/m", TRIED_WAVE_NUMBERS_PER_M),
     "along_y": ("place", "rad/m", TRIED_WAVE_NUMBERS_PER_M),
@@ -120,7 +120,7 @@ HEADING_SOURCE_PARAMETER = Parameter(
 
 def _residual_effect(force: Callable[..., SurgeSwayYaw]) -> Effect:
     channel, ending = force.__name__.split("_", maxsplit=1)
-    variable, rate_unit, tries = PERIODIC_FORCE_VARIABLES[ending]
+    variable, rate_unit, tries = VARIABLE_UNIT_AND_TRIED_W_BY_ENDING[ending]
     unit, size = ("N m", 0.001) if channel == "yaw" else ("N", 0.01)
     return Effect(
         name=force.__name__,

@@ -67,12 +67,12 @@ def joint_fit_notes(campaign: Campaign) -> list[str]:
 def table_1(campaign: Campaign) -> list[dict[str, Any]]:
     """Table I: a row per power for this study, and the published row if there is one."""
     return [
-        _table_1_rows(power, entry)
+        _table_1_row(power, entry)
         for power, entry in (campaign.coefficients.get("paper_steps") or {}).items()
     ]
 
 
-def _table_1_rows(power: str, entry: Mapping[str, Any]) -> dict[str, Any]:
+def _table_1_row(power: str, entry: Mapping[str, Any]) -> dict[str, Any]:
     cells = entry.get("coefficients") or {}
     published = TABLE_1.get(round(float(power)), {})
     cells_here = [

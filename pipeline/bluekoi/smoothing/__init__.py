@@ -63,14 +63,14 @@ def smooth_with_noise_ratio(pose: Pose, flap_hz: float) -> tuple[Track, tuple[fl
     at = grid.frame
     track = Track(
         time_s=pose.time_s,
-        **_position_columns(move.x[at], move.P[at]),
-        **_velocity_columns(move.x[at], move.P[at], theta[at]),
+        **_position_track_fields(move.x[at], move.P[at]),
+        **_velocity_track_fields(move.x[at], move.P[at], theta[at]),
         heading_rad=theta[at],
         heading_rad_std=np.sqrt(turn.P[at, 0, 0]),
         yaw_rate_rad_s=turn.x[at, 1],
         yaw_rate_rad_s_std=np.sqrt(turn.P[at, 1, 1]),
         **_smooth_head_angle(values[:, 3], cov[:, 3, 3], grid, hz),
-        **_recoil_columns(move, turn, plane.model.H, at) if hz > 0 else {},
+        **_recoil_track_fields(move, turn, plane.model.H, at) if hz > 0 else {},
         remarks=_smoothing_remarks(pose, grid, plane, heading),
     )
     return track, (plane.noise_ratio, heading.noise_ratio)
@@ -156,12 +156,12 @@ def _smooth_head_angle(
     return {"head_angle_rad": value, "head_angle_rad_std": std}
 
 
-def _position_columns(x: Float, P: Float) -> dict[str, Float]:
+def _position_track_fields(x: Float, P: Float) -> dict[str, Float]:
     names = {"x_m": x[:, 0], "y_m": x[:, 1]}
     return names | {"x_m_std": np.sqrt(P[:, 0, 0]), "y_m_std": np.sqrt(P[:, 1, 1])}
 
 
-def _velocity_columns(x: Float, P: Float, theta: Float) -> dict[str, Float]:
+def _velocity_track_fields(x: Float, P: Float, theta: Float) -> dict[str, Float]:
     """Surge and sway turned into the pool frame, with speed and standard deviations."""
     c, s = np.cos(theta), np.sin(theta)
     turn = np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], -2)
@@ -172,7 +172,7 @@ def _velocity_columns(x: Float, P: Float, theta: Float) -> dict[str, Float]:
     return velocity | {"vx_m_s_std": np.sqrt(C[:, 0, 0]), "vy_m_s_std": np.sqrt(C[:, 1, 1])}
 
 
-def _recoil_columns(
+def _recoil_track_fields(
     move: SmoothedStates, turn: SmoothedStates, H: Float, at: BoolNDArray
 ) -> dict[str, Float]:
     """Recoil at the frames (frames, 3), x, y in the pool frame [m] and heading [rad], and its

@@ -103,12 +103,15 @@ def _combinations_off_bounds(tuned: JointFit, held: Sequence[str]) -> list[Param
     _, turned = np.linalg.eigh(seen.T @ axes.T @ (tuned.cov / scale) @ axes @ seen)
     naive = np.sqrt(np.diag(turned.T @ np.diag(1.0 / values[~blind]) @ turned))
     determined = [
-        _combination(tuned, axes @ seen @ v, n) for v, n in zip(turned.T, naive, strict=True)
+        _combination_along_direction(tuned, axes @ seen @ v, n)
+        for v, n in zip(turned.T, naive, strict=True)
     ]
     return [ParameterCombination(axes @ v, np.inf) for v in vectors[:, blind].T] + determined
 
 
-def _combination(tuned: JointFit, direction: Float, naive: float) -> ParameterCombination:
+def _combination_along_direction(
+    tuned: JointFit, direction: Float, naive: float
+) -> ParameterCombination:
     std = tuned.covariance.half_width(direction / parameter_scales(tuned)) / Z_95
     return ParameterCombination(direction, max(std, float(naive)), float(naive))
 

@@ -39,7 +39,7 @@ MIN_TRIALS_PER_BATCH, MAX_BATCHES = 6, 50
 """Trials with keypoint files share a process: six, or more where that would make over 50 jobs. A
 trial takes 0.3 s, a process of its own as much again. A video takes longer and is a job of its own.
 """
-DUE_BATCH_SUFFIX = "-due"
+DRY_RUN_DUE_SUFFIX = "-due"
 """Ending of the marker of a batch that has to run, in a dry run: a missing file is listed there."""
 FORBIDDEN_CHARACTERS = {*"{}<>", *map(chr, range(32))}
 """Characters that Snakemake does not allow in the path of a results folder."""
@@ -117,7 +117,7 @@ class Plan:
     def _marker(self, stage: str, batch: str) -> str:
         due = self.dry_run and self.due[stage] & set(self.batches[batch])
         return str(
-            self.results / f"status/batches/{stage}-{batch}{DUE_BATCH_SUFFIX if due else ''}"
+            self.results / f"status/batches/{stage}-{batch}{DRY_RUN_DUE_SUFFIX if due else ''}"
         )
 
     def remove_due_markers(self) -> None:
@@ -130,7 +130,7 @@ class Plan:
         """Input function: options that name the trials of a batch."""
 
         def options(wildcards: Any) -> str:
-            ids = self.batches[wildcards.batch.removesuffix(DUE_BATCH_SUFFIX)]
+            ids = self.batches[wildcards.batch.removesuffix(DRY_RUN_DUE_SUFFIX)]
             wanted = set(self.with_overlay() if stage == "overlay" else ids)
             return " ".join(f"--trial={name}" for name in ids if name in wanted)
 
@@ -138,11 +138,11 @@ class Plan:
 
     def keypoints_marker(self, wildcards: Any) -> str:
         """Marker of a batch's keypoints."""
-        return self._marker("keypoints", wildcards.batch.removesuffix(DUE_BATCH_SUFFIX))
+        return self._marker("keypoints", wildcards.batch.removesuffix(DRY_RUN_DUE_SUFFIX))
 
     def tracks_marker(self, wildcards: Any) -> str:
         """Marker of a batch's tracks."""
-        return self._marker("tracks", wildcards.batch.removesuffix(DUE_BATCH_SUFFIX))
+        return self._marker("tracks", wildcards.batch.removesuffix(DRY_RUN_DUE_SUFFIX))
 
     def demo_files(self, wildcards: Any) -> list[str]:
         """Files of the demo study that a batch needs; any other study has its files already."""
@@ -150,7 +150,7 @@ class Plan:
             return []
         trials = [
             self.study.trial(name)
-            for name in self.batches[wildcards.batch.removesuffix(DUE_BATCH_SUFFIX)]
+            for name in self.batches[wildcards.batch.removesuffix(DRY_RUN_DUE_SUFFIX)]
         ]
         return [
             str(self.folder / name) for t in trials for name in (*t.sources, t.motor_log) if name

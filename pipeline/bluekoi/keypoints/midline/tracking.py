@@ -28,8 +28,10 @@ from .track import LOST_AFTER_FRAMES, BodyFitHistory, MidlineFit
 MIN_SUPPORT, MAX_SCORE_DROP = 0.5, 0.05
 TURN_COST_PER_RAD, MOVE_COST_PER_LENGTH = 0.1, 0.1
 SEARCH_RADIUS_LENGTHS, SEARCH_RADIUS_GROWTH_LENGTHS = 0.8, 0.25
-NEIGHBOUR_DISTANCE_LENGTHS = 1.3
-NEIGHBOUR_TRACKING_RADIUS_LENGTHS = 4.0
+TOUCHING_BODIES_DISTANCE_LENGTHS = 1.3
+"""Distance within which two bodies may touch; each is fitted again with the other one masked."""
+OTHER_BODIES_TRACKED_WITHIN_LENGTHS = 4.0
+"""Distance from the target within which other bodies are followed too."""
 START_HEADINGS, START_TOLERANCE_LENGTHS = 16, 0.12
 MIN_MASKED_COVERAGE = 0.15
 MIN_NEW_TRACK_SCORE = 0.7
@@ -68,7 +70,7 @@ def track_body(
                 body
                 for body in others
                 if body.frames_since_seen <= LOST_AFTER_FRAMES
-                and body_distance(body, target, shape) < NEIGHBOUR_TRACKING_RADIUS_LENGTHS
+                and body_distance(body, target, shape) < OTHER_BODIES_TRACKED_WITHIN_LENGTHS
             ]
             if not target.frames_since_seen:
                 others += _new_tracks(frame, [target, *others], arena, shape)
@@ -146,7 +148,7 @@ def _neighbour_poses(k: int, places: Sequence[Float | None], shape: BendingTempl
         if j != k
         and one is not None
         and own is not None
-        and np.hypot(*(one - own)[:2]) < NEIGHBOUR_DISTANCE_LENGTHS * shape.length_bl
+        and np.hypot(*(one - own)[:2]) < TOUCHING_BODIES_DISTANCE_LENGTHS * shape.length_bl
     ]
 
 
@@ -243,7 +245,7 @@ def _new_tracks(
         return []
     middle = arena.plane.pixels(around[None, :2])[0]
     picture = reduced_image(
-        frame.luma, arena, middle, NEIGHBOUR_TRACKING_RADIUS_LENGTHS * arena.length_px
+        frame.luma, arena, middle, OTHER_BODIES_TRACKED_WITHIN_LENGTHS * arena.length_px
     )
     poses = [pose for body in bodies if (pose := body.last()) is not None]
     free = _mask_other_bodies(picture, poses, arena, shape)

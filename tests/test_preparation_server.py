@@ -157,6 +157,17 @@ def test_the_preview_says_why_nothing_is_found(server):
     assert "nothing differs from the background" in job["result"]["remarks"][0]
 
 
+def test_a_preview_that_is_refused_names_the_row_of_the_table(server):
+    row = {"trial_id": "A", "source": "p50_phi20.mp4", "power_pct": "750", "head_angle_deg": "0",
+           "head_length_m": "0.12"}  # fmt: skip
+    rows = [{**row, "trial_id": name} for name in ("B", "C", "A")]
+    status, answer = send_request(
+        server, "preview", {"values": DRAFT_VALUES, "rows": rows, "trial_id": "A"}
+    )
+    assert status != 200
+    assert "row 4 (A), power_pct: found '750'" in answer["error"]
+
+
 def test_the_preview_names_a_head_angle_of_the_wrong_sign(study_folder, monkeypatch):
     class Detector:
         @staticmethod

@@ -268,6 +268,18 @@ def test_a_measurement_error_beside_missing_physics_has_its_own_heading():
     assert said["heading"] == "Missing physics: tail fin lift; Measurement error: lens error"
 
 
+def test_an_unlisted_force_beside_named_causes_does_not_hide_them_in_the_heading():
+    causes = [
+        {"name": "tail_fin_lift", "kind": "physics"},
+        {"name": "unexplained", "kind": "physics"},
+    ]
+    found = {"verdict": "unexplained", "causes": causes}
+    said = verdict(Campaign(**{**exact_campaign().__dict__, "mismatch": found}))
+    assert said["heading"] == (
+        "Missing physics: tail fin lift; and a force that no known cause explains"
+    )
+
+
 def test_a_run_without_search_or_fit_is_reported_as_such(tmp_path):
     text = write_page(Campaign(study=exact_campaign(powers=(75,)).study), tmp_path)
     assert "did not search for causes" in text

@@ -130,6 +130,23 @@ def lists_without_brackets_are_understood(page: Page) -> None:
         page.type(f"camera.{key}", "")
 
 
+def wrong_sign_is_named_and_mended(page: Page) -> None:
+    for angles, seen in (("0 -30", "with head_angle_deg 30 the robot is found"), ("0 30", "")):
+        page.step("trials")
+        cells = "\n".join(f"50\t{angle}" for angle in angles.split())
+        page.tab.evaluate(f"{PASTE_SCRIPT}({json.dumps(cells)})")
+        page.until("!document.querySelector('#trials-table [aria-invalid=true]')")
+        page.step("preview")
+        page.click("preview-all")
+        page.until(
+            "document.getElementById('preview-said').textContent.startsWith('The robot')", 200
+        )
+        assert seen in page.text("preview-list")
+        page.step("run")
+        lost = "T04: robot found in 0 of 20 frames" in page.text("run-findings")
+        assert lost == bool(seen)
+
+
 def test_from_a_folder_of_videos_to_a_saved_study(videos, tmp_path):
     folder = tmp_path / "new"
     for part in ("videos", "motor"):
@@ -148,17 +165,7 @@ def test_from_a_folder_of_videos_to_a_saved_study(videos, tmp_path):
         page.step("robot")
         for name, value in ROBOT.items():
             page.type(f"robot.{name}", value)
-        for angles, seen in (("0 -30", "with head_angle_deg 30 the robot is found"), ("0 30", "")):
-            page.step("trials")
-            cells = "\n".join(f"50\t{angle}" for angle in angles.split())
-            page.tab.evaluate(f"{PASTE_SCRIPT}({json.dumps(cells)})")
-            page.until("!document.querySelector('#trials-table [aria-invalid=true]')")
-            page.step("preview")
-            page.click("preview-all")
-            page.until(
-                "document.getElementById('preview-said').textContent.startsWith('The robot')", 200
-            )
-            assert seen in page.text("preview-list")
+        wrong_sign_is_named_and_mended(page)
         assert "2 of 2 videos" in page.text("preview-said")
         page.step("robot")
         page.click("robot-place")

@@ -153,6 +153,7 @@ def find_mismatch(
         stretch_s=paths.horizon_s, displacements=displaced,
         warnings=[*map(insignificance_sentence, chosen.insignificant),
                   *model_warnings(kernel, train, best),
+                  *([NOTHING_HELD_OUT_WARNING] if named and not held_out else []),
                   *undetermined_cause_warnings(kernel.system, train),
                   *([drifting.sentence] if drifting else [])],
     )  # fmt: skip
@@ -222,6 +223,10 @@ def verdict_of(kernel: CompiledSystem, named: Sequence[NamedCause], unexplained:
     return kernel.system.effect(named[0].name).kind if named else "none"
 
 
+NOTHING_HELD_OUT_WARNING = (
+    "No trial could be held out, so none confirms the named causes. Film each condition to both "
+    "sides, and more powers and head angles."
+)
 MAX_RANDOM_FORCE_SHARE = 0.5
 """Share of the thrust above which random forces are called comparable to it."""
 

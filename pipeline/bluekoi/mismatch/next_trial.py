@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import product
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from ..data import Float
 from ..engine import FittedCauseSet
+from ..engine.candidates import RESIDUAL_EFFECT_KIND
 from ..fitting import TrialSeries, trial_parameter_vector
 from ..integrate import CompiledSystem
 from ..model import simulate
@@ -17,6 +18,7 @@ from ..study import Study
 from ..tuning import trial_kernel
 from .find import MismatchResult
 
+UNLISTED_FORCE_WORDS = "a force that no listed cause describes"
 HEAD_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0)
 """Head angles of the trials that may be recommended, to either side: settings that a person chooses
 among, without a part in probabilities or verdict."""
@@ -38,7 +40,8 @@ def next_trial_json(
             for g in sorted({s.group for s in series}, key=float)}  # fmt: skip
     values = [_parameters(kernel, found.baseline.base, model) for model in (first, other)]
     best = best_next_trial(study, kernel, values[0], values[1], flap)
-    question = disagreement_text(first.causes, other.causes)
+    unlisted = {e.name for e in kernel.system.effects if e.kind == RESIDUAL_EFFECT_KIND}
+    question = disagreement_text(first.causes, other.causes, unlisted)
     floor = 1000 * found.floor_m if np.isfinite(found.floor_m) else 0.0
     apart = float(str(best["apart_mm"]))
     if not apart > floor:
@@ -57,9 +60,18 @@ def _parameters(kernel: CompiledSystem, base: Float, model: FittedCauseSet) -> F
     return trial_parameter_vector(kernel, out, model.fit.free, model.fit.values, "")
 
 
-def disagreement_text(first: Sequence[str], other: Sequence[str]) -> str:
-    """What two sets of causes disagree on."""
-    more, fewer = ([c for c in a if c not in b] for a, b in ((first, other), (other, first)))
+def disagreement_text(
+    first: Sequence[str], other: Sequence[str], unlisted: Collection[str] = ()
+) -> str:
+    """What two sets of causes disagree on. unlisted: names of the residual terms, which stand for a
+    force on no list.
+    """
+    more, fewer = (
+        list(dict.fromkeys(UNLISTED_FORCE_WORDS if c in unlisted else c for c in a if c not in b))
+        for a, b in ((first, other), (other, first))
+    )
+    if more == fewer == [UNLISTED_FORCE_WORDS]:
+        return "which form a force that no listed cause describes has"
     if more and fewer:
         return f"whether it is {' and '.join(more)} or {' and '.join(fewer)}"
     names = more or fewer or ["anything else"]

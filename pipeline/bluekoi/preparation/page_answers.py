@@ -220,7 +220,7 @@ def _recording_properties(folder: Path, row: Mapping[str, str]) -> dict[str, Any
     except InputError as error:
         found["error"] = str(error)
     try:
-        if log := row.get("motor_log", "").strip():
+        if (log := row.get("motor_log", "").strip()) and (folder / log).exists():
             found["flap_hz"] = round(flapping_from_log(folder / log).flap_hz, 3)
     except InputError as error:
         found["log_error"] = str(error)

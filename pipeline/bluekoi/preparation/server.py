@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hmac
 import json
+import re
 import secrets
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
@@ -162,8 +163,14 @@ class SetupServer:
         content = _request_json()
         draft = answers.draft_from_request(content)
         name = str(content["trial_id"])
-        rows = [row for row in draft.rows if row.get("trial_id") == name]
-        study = draft_study(replace(draft, rows=rows), self.folder)
+        number, row = next((n, r) for n, r in enumerate(draft.rows, 2) if r["trial_id"] == name)
+        try:
+            study = draft_study(replace(draft, rows=[row]), self.folder)
+        except InputError as error:
+            raise InputError([
+                replace(one, where=re.sub(r"^row 2\b", f"row {number}", one.where))
+                for one in error.findings
+            ]) from error  # fmt: skip
         self.jobs.start(f"preview {name}", preview_as_json, study, name)
         return {}
 

@@ -73,8 +73,12 @@ def verdict(campaign: Campaign) -> dict[str, str]:
     heading = VERDICT_HEADINGS.get(kind, kind)
     causes = [(str(c.get("kind", kind)), readable_name(str(c["name"])))
               for c in found.get("causes") or []]  # fmt: skip
+    listed = [c for c in causes if c[1] != "unexplained"]
     if kind in ("physics", "measurement") and causes:
         heading = named_causes_section_title(kind, causes)
+    elif kind == "unexplained" and listed:
+        heading = named_causes_section_title(listed[0][0], listed)
+        heading += "; and a force that no known cause explains"
     sentence = with_readable_names(str(found.get("sentence") or heading), _known_causes())
     return {"kind": kind, "heading": heading, "sentence": sentence}
 

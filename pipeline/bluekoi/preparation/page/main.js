@@ -5,7 +5,7 @@ import * as pool from "./pool.js";
 import * as preview from "./preview.js";
 import * as robot from "./robot.js";
 import * as run from "./run.js";
-import { ask, checkNow, draft, element, on, store, take, tell, trouble } from "./store.js";
+import { ask, checkNow, draft, element, notFound, on, store, take, tell, trouble } from "./store.js";
 import * as trials from "./trials.js";
 
 const STEPS = { pool, camera, robot, trials, preview, run };
@@ -18,6 +18,7 @@ function steps() {
     const wrong = store.findings.filter((one) => run.stepOf(one) === name).length;
     const link = element("a", { href: `#${name}` }, `${k + 1} ${title(name)}`);
     if (wrong) link.append(element("span", { className: "count", textContent: wrong, title: `${wrong} entries missing or wrong` }));
+    else if (name === "preview" && notFound().length) link.append(element("span", { className: "count", textContent: notFound().length, title: notFound().join("; ") }));
     else if (name === "pool" && store.fit && !store.fit.confirmed) link.append(element("span", { className: "count", textContent: "?", title: "the edges seen do not confirm the corners" }));
     else if (name === "camera" && !store.values["camera.matrix"]) link.append(element("span", { className: "fine", textContent: "–", title: "no calibration" }));
     else if (!["preview", "run"].includes(name)) link.append(element("span", { className: "fine", textContent: "✓", title: "complete" }));

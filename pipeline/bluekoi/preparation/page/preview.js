@@ -1,10 +1,11 @@
 // The detection on twenty frames of each video, with the reason where it fails.
 
 import { FrameView, chosen, line, svg } from "./frame.js";
-import { ask, draft, element, on, store } from "./store.js";
+import { ask, draft, element, on, store, tell } from "./store.js";
 
 const id = (name) => document.getElementById(name);
-let view, stopped = true, errors = new Map(), selected = "";
+let view, stopped = true, selected = "";
+const errors = store.previewErrors;
 
 const filmed = () => store.rows.filter((row) => row.trial_id && row.source && !/\.(csv|h5|hdf5|slp)$/i.test(row.source));
 
@@ -54,6 +55,7 @@ async function one(row) {
     errors.set(row.trial_id, error.message);
   }
   id("preview-said").textContent = "";
+  tell("findings");
   list();
   draw();
 }

@@ -1,7 +1,7 @@
 // The last step: what is still wrong, the run and its lines, the report.
 
 import { words } from "./fields.js";
-import { ask, checkNow, element, on, store, tell } from "./store.js";
+import { ask, checkNow, element, notFound, on, store, tell } from "./store.js";
 
 const id = (name) => document.getElementById(name);
 let timer;
@@ -25,7 +25,11 @@ function findings() {
     link.onclick = () => setTimeout(() => tell("go", one), 50);
     return element("li", {}, link, `: ${words(one)}`);
   });
-  id("run-findings").replaceChildren(...(items.length ? items : [element("li", { className: "good", textContent: "Nothing is wrong in study.yaml and trials.csv." })]));
+  const good = items.length ? [] : [element("li", { className: "good", textContent: "Nothing is wrong in study.yaml and trials.csv." })];
+  const doubts = notFound().map((text) => element("li", {}, element("a", { href: "#preview", textContent: "Preview" }), `: ${text}. The run will lose this trial.`));
+  if (store.fit && !store.fit.confirmed)
+    doubts.push(element("li", {}, element("a", { href: "#pool", textContent: "Pool" }), ": the edges seen do not confirm the corners."));
+  id("run-findings").replaceChildren(...items, ...good, ...doubts);
   id("run-start").disabled = items.length > 0 || running;
 }
 

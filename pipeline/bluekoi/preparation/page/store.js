@@ -1,7 +1,7 @@
 // The draft of the study, what is wrong with it, and the questions to the server.
 
 export const store = { values: {}, rows: [], revision: "", keys: [], files: {}, findings: [],
-  newRows: [], recorded: [], dirty: false, previews: new Map(), folder: "" };
+  newRows: [], recorded: [], dirty: false, previews: new Map(), previewErrors: new Map(), folder: "" };
 const listeners = new Map();
 
 export function on(event, work) {
@@ -73,6 +73,13 @@ export function trouble(text) {
   place.textContent = text;
   place.hidden = !text;
 }
+
+// Trials whose preview found the robot in fewer than half of the frames, and why.
+export const notFound = () => store.rows.flatMap(({ trial_id: trial }) => {
+  const found = store.previews.get(trial), error = store.previewErrors.get(trial);
+  if (error && error !== "stopped") return [`${trial}: not previewed`];
+  return found && found.found < 0.5 * found.frames ? [`${trial}: robot found in ${found.found} of ${found.frames} frames`] : [];
+});
 
 export const numbers = (text) => {
   try { return JSON.parse(text); } catch { return null; }

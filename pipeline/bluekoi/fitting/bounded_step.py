@@ -7,6 +7,9 @@ from scipy.optimize import lsq_linear
 
 from ..data import Float
 
+MAX_ITERATIONS = 200
+"""Of the least squares within bounds. SciPy's limit, the count of the numbers, ends too early where
+a number returns from a bound."""
 RIDGE = 1e-8
 """Relative to the diagonal, what is added to it: directions that no data touch stay put."""
 
@@ -35,7 +38,8 @@ def bounded_step(
     found = vectors @ (along / root**2)
     if np.any((found < least) | (found > most)):
         found = lsq_linear(
-            root[:, None] * vectors.T, along / root, bounds=(least, most), method="bvls"
-        ).x
+            root[:, None] * vectors.T, along / root, bounds=(least, most), method="bvls",
+            max_iter=MAX_ITERATIONS,
+        ).x  # fmt: skip
     step[move] = np.clip(scale * found, lower[move], upper[move])
     return step

@@ -258,26 +258,19 @@ def test_verdicts_in_words(kind):
     )
 
 
-def test_a_measurement_error_beside_missing_physics_has_its_own_heading():
-    causes = [
-        {"name": "tail_fin_lift", "kind": "physics"},
-        {"name": "lens_error", "kind": "measurement"},
-    ]
-    found = {"verdict": "physics", "causes": causes}
+@pytest.mark.parametrize(
+    ("kind", "second", "heading"),
+    [
+        ("physics", {"name": "lens_error", "kind": "measurement"},
+         "Missing physics: tail fin lift; Measurement error: lens error"),
+        ("unexplained", {"name": "unexplained", "kind": "physics"},
+         "Missing physics: tail fin lift; and a force that no known cause explains"),
+    ],
+)  # fmt: skip
+def test_the_heading_names_causes_of_every_kind(kind, second, heading):
+    found = {"verdict": kind, "causes": [{"name": "tail_fin_lift", "kind": "physics"}, second]}
     said = verdict(Campaign(**{**exact_campaign().__dict__, "mismatch": found}))
-    assert said["heading"] == "Missing physics: tail fin lift; Measurement error: lens error"
-
-
-def test_an_unlisted_force_beside_named_causes_does_not_hide_them_in_the_heading():
-    causes = [
-        {"name": "tail_fin_lift", "kind": "physics"},
-        {"name": "unexplained", "kind": "physics"},
-    ]
-    found = {"verdict": "unexplained", "causes": causes}
-    said = verdict(Campaign(**{**exact_campaign().__dict__, "mismatch": found}))
-    assert said["heading"] == (
-        "Missing physics: tail fin lift; and a force that no known cause explains"
-    )
+    assert said["heading"] == heading
 
 
 def test_a_run_without_search_or_fit_is_reported_as_such(tmp_path):

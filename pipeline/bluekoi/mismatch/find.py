@@ -153,7 +153,7 @@ def find_mismatch(
         stretch_s=paths.horizon_s, displacements=displaced,
         warnings=[*map(insignificance_sentence, chosen.insignificant),
                   *model_warnings(kernel, train, best),
-                  *([NOTHING_HELD_OUT_WARNING] if named and not held_out else []),
+                  *_unconfirmed_warnings(named, held_out),
                   *undetermined_cause_warnings(kernel.system, train),
                   *([drifting.sentence] if drifting else [])],
     )  # fmt: skip
@@ -223,12 +223,16 @@ def verdict_of(kernel: CompiledSystem, named: Sequence[NamedCause], unexplained:
     return kernel.system.effect(named[0].name).kind if named else "none"
 
 
-NOTHING_HELD_OUT_WARNING = (
-    "No trial could be held out, so none confirms the named causes. Film each condition to both "
-    "sides, and more powers and head angles."
-)
 MAX_RANDOM_FORCE_SHARE = 0.5
 """Share of the thrust above which random forces are called comparable to it."""
+
+
+def _unconfirmed_warnings(named: Sequence[NamedCause], held_out: Sequence[str]) -> list[str]:
+    """A sentence where causes are named and no trial is left out of the fit."""
+    if not named or held_out:
+        return []
+    return ["No trial could be held out, so none confirms the named causes. Film each condition to "
+            "both sides, and more powers and head angles."]  # fmt: skip
 
 
 def model_warnings(

@@ -17,8 +17,8 @@ from ..model import simulate
 from ..study import Study
 from ..tuning import trial_kernel
 from .find import MismatchResult
+from .sentences import UNLISTED_FORCE
 
-UNLISTED_FORCE_WORDS = "a force that no listed cause describes"
 HEAD_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0)
 """Head angles of the trials that may be recommended, to either side: settings that a person chooses
 among, without a part in probabilities or verdict."""
@@ -67,11 +67,11 @@ def disagreement_text(
     force on no list.
     """
     more, fewer = (
-        list(dict.fromkeys(UNLISTED_FORCE_WORDS if c in unlisted else c for c in a if c not in b))
+        list(dict.fromkeys(UNLISTED_FORCE if c in unlisted else c for c in a if c not in b))
         for a, b in ((first, other), (other, first))
     )
-    if more == fewer == [UNLISTED_FORCE_WORDS]:
-        return "which form a force that no listed cause describes has"
+    if more == fewer == [UNLISTED_FORCE]:
+        return f"which form {UNLISTED_FORCE} has"
     if more and fewer:
         return f"whether it is {' and '.join(more)} or {' and '.join(fewer)}"
     names = more or fewer or ["anything else"]

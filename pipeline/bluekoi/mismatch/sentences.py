@@ -9,6 +9,8 @@ from ..engine.naming import UNLISTED_FORCE_LABEL
 from ..tuning import coefficient_table
 from .find import MismatchResult
 
+UNLISTED_FORCE = "an unlisted force"
+"""Words for a residual term, which stands for a force that is not on the list of causes."""
 MIN_UNSTATED_PROBABILITY = 0.8
 MAX_NOISE_FLOOR_RATIO = 1.5
 """Held-out errors of the true model exceed this multiple of the noise floor in 3 of 236 studies."""
@@ -28,7 +30,7 @@ def verdict_sentence(found: MismatchResult, named: Sequence[Mapping[str, Any]]) 
         beside = f"{first}; in addition a" if first else "A"
         return f"{beside} force acts that no listed cause describes; {errors}{excess}."
     members = {n for c in named for n in c.get("credible_set", ())} - {c["name"] for c in named}
-    doubt = ["an unlisted force" if n == UNLISTED_FORCE_LABEL else n for n in sorted(members)]
+    doubt = [UNLISTED_FORCE if n == UNLISTED_FORCE_LABEL else n for n in sorted(members)]
     instead = f" (or {', '.join(doubt)}: these trials cannot separate them)" if doubt else ""
     return f"{first}{instead}; {errors}{excess}."
 

@@ -163,9 +163,10 @@ class SetupServer:
         content = _request_json()
         draft = answers.draft_from_request(content)
         name = str(content["trial_id"])
-        number, row = next((n, r) for n, r in enumerate(draft.rows, 2) if r["trial_id"] == name)
+        rows = {n: row for n, row in enumerate(draft.rows, 2) if row.get("trial_id") == name}
+        number = next(iter(rows), 2)
         try:
-            study = draft_study(replace(draft, rows=[row]), self.folder)
+            study = draft_study(replace(draft, rows=list(rows.values())), self.folder)
         except InputError as error:
             raise InputError([
                 replace(one, where=re.sub(r"^row 2\b", f"row {number}", one.where))

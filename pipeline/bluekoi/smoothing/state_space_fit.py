@@ -43,8 +43,8 @@ RELATIVE_START_STDS_RESTING, RELATIVE_START_STDS_MOVING = (0.01, 3.0), (3.0, 1.0
 from rest, and for one in motion."""
 STEADY_ACCELERATION_VARIANCE_SHARE = 1e-4
 """Prior variance of the initial acceleration of a body in steady motion, over that of a body that
-gains speed in the first frames. The yaw rate is taken to be steady: its growth at the start of a
-turn and the recoil of the heading look alike."""
+gains speed in the first frames (a hundredth of its standard deviation). The yaw rate is taken to be
+steady: its growth at the start of a turn and the recoil of the heading look alike."""
 RESTING_RECOIL_VARIANCE_SHARE = 1e-4
 """Prior variance of the recoil of a body at rest, over that of the recoil in motion. Where the
 first frames show a recoil of full size (the tail beats while the body is held), it is 1."""
@@ -198,13 +198,14 @@ def _fit_motion_model(
         more_starts=_starting_log_noise(m, recoils, np.maximum(largest, LOG_START_NOISE)),
         **common,
     )
-    other, gain = (
+    other, least_gain = (
         (partial(build, recoil_share=1.0), MIN_LR_STATISTIC_MOVING_START)
         if resting
         else (partial(build, acceleration_share=STEADY_ACCELERATION_VARIANCE_SHARE),
               -MIN_LR_STATISTIC_MOVING_START)
     )  # fmt: skip
-    if _cost_with_start(found, other(found.logs).P0) < found.cost - gain:
+    is_steady = free < 1.0
+    if not is_steady and _cost_with_start(found, other(found.logs).P0) < found.cost - least_gain:
         build = other
         found = fit_process_noise(build, data.seen, starts=[found.logs, *starts], **common)
     if found.logs[-1] > MAX_LOG_NOISE_RATIO_COLOURED and not coloured:

@@ -18,7 +18,7 @@ function shownState() {
   id("camera-state").textContent = !store.values["camera.matrix"]
     ? `No calibration: the pool's corners alone map the picture (homography)${error ? `; ${error}` : ""}.`
     : wrong ? "The calibration is not complete: see the numbers below."
-      : `Calibrated: ${store.values["camera.model"] ?? "pinhole"} lens, pictures of ${size?.join(" x ") ?? "unknown"} px.`;
+      : `Calibrated: ${store.values["camera.model"] ?? "pinhole"} lens, pictures of ${Array.isArray(size) ? size.join(" x ") : "unknown"} px.`;
   if (wrong) id("camera-numbers").open = true;
   id("camera-drop").disabled = !store.values["camera.matrix"];
   id("camera-files").replaceChildren(...(store.files.cameras ?? []).map((value) => element("option", { value })));

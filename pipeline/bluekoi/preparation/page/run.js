@@ -26,7 +26,7 @@ function findings() {
     return element("li", {}, link, `: ${words(one)}`);
   });
   const good = items.length ? [] : [element("li", { className: "good", textContent: "Nothing is wrong in study.yaml and trials.csv." })];
-  const doubts = notFound().map((text) => element("li", {}, element("a", { href: "#preview", textContent: "Preview" }), `: ${text}. The run will lose this trial.`));
+  const doubts = notFound().map((text) => element("li", {}, element("a", { href: "#preview", textContent: "Preview" }), `: ${text}. Look at this trial before the run.`));
   if (store.fit && !store.fit.confirmed)
     doubts.push(element("li", {}, element("a", { href: "#pool", textContent: "Pool" }), ": the edges seen do not confirm the corners."));
   id("run-findings").replaceChildren(...items, ...good, ...doubts);

@@ -68,24 +68,25 @@ def whitened_products(
     predictions go with change k, per unit; 0 where a trial does not have it.
     """
     steps = np.array([1.0, *(c.step for c in changes)])
-    own = [[k for k, c in enumerate(changes) if c.trials[t]] for t in range(len(passes))]
-    first = np.cumsum([0, *(max(1, -(-len(ks) // CHANGES_PER_BLOCK)) for ks in own)])
+    own = np.array([c.trials for c in changes], dtype=bool).reshape(len(changes), len(passes)).T
+    counts = own.sum(axis=1)
+    first = np.cumsum([0, *np.maximum(1, -(-counts // CHANGES_PER_BLOCK))])
     trials = np.repeat(np.arange(len(passes)), np.diff(first))
     full = values_with_noise_switched_on(kernel, np.array(points).T, noise).T
     values = np.repeat(full[trials][:, :, None], LANES, axis=2)
-    places = np.zeros((len(passes), 1 + max(len(ks) for ks in own)), dtype=np.int64)
-    for t, ks in enumerate(own):
-        places[t, 1 : len(ks) + 1] = np.array(ks, dtype=np.int64) + 1
-        for i, k in enumerate(ks):
-            block, lane = divmod(i, CHANGES_PER_BLOCK)
-            for slot, weight in changes[k].slots.items():
-                values[first[t] + block, slot, lane + 1] += weight * changes[k].step
-            for slot, offset in changes[k].offsets.items():
-                values[first[t] + block, slot, lane + 1] += offset
+    column = np.cumsum(own, axis=1) - 1
+    places = np.zeros((len(passes), 1 + int(counts.max(initial=0))), dtype=np.int64)
+    for k, change in enumerate(changes):
+        having = np.flatnonzero(own[:, k])
+        places[having, column[having, k] + 1] = k + 1
+        block, lane = np.divmod(column[having, k], CHANGES_PER_BLOCK)
+        for slot, weight in change.slots.items():
+            values[first[having] + block, slot, lane + 1] += weight * change.step
+        for slot, offset in change.offsets.items():
+            values[first[having] + block, slot, lane + 1] += offset
     observed = _predicted_observations(kernel, passes, values, trials)
-    counts = np.array([1 + len(ks) for ks in own])
     out = np.zeros((len(passes), len(steps), len(steps)))
-    given = (observed, passes.seen, passes.roots, passes.frames, first, places, counts)
+    given = (observed, passes.seen, passes.roots, passes.frames, first, places, 1 + counts)
     map_ranges_in_threads(
         lambda *ends: add_whitened_column_products(*given, ends, out), len(passes)
     )

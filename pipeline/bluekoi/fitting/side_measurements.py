@@ -36,11 +36,11 @@ def side_measurement_terms(
     hessian, gradient, logl = np.zeros((n, p, p)), np.zeros((n, p)), np.zeros(n)
     slots = np.array([kernel.system.slot[f.name] for f in free], dtype=int)
     own = np.array([[f.group in (None, s.group) for f in free] for s in series]).reshape(n, p)
-    for name in sorted({name for s in series for name in s.evidence}):
+    names = sorted({name for s in series for name in s.evidence})
+    at = (np.array(points), trial_arguments(series)) if names else ()
+    for name in names:
         value, std = np.array([s.evidence.get(name, NO_INFORMATION) for s in series]).T
-        found, slopes = predict_side_measurement(
-            kernel.system, name, np.array(points), trial_arguments(series)
-        )
+        found, slopes = predict_side_measurement(kernel.system, name, *at)
         error = (value - found) / std
         rows = slopes[:, slots] * own / std[:, None]
         hessian += rows[:, :, None] * rows[:, None, :]
@@ -95,16 +95,30 @@ def predict_side_measurement(
         function = effect.evidence.get(name)
         if callable(function):
             at = _prediction_arguments(system, effect, function, points, arguments)
-            value += _evaluate_rows(function, at)
-            names = list(inspect.signature(function).parameters)
-            for row in (p for p in effect.parameters if p.name in effect.informs[name]):
-                step = np.zeros(len(names))
-                step[names.index(row.argument)] = DIFFERENCE_SHARE_OF_RANGE * (
-                    row.upper - row.lower
-                )
-                change = _evaluate_rows(function, at + step) - _evaluate_rows(function, at - step)
-                slopes[:, system.slot[f"{effect.name}.{row.name}"]] += change / (2 * step.sum())
+            found, by_parameter = _nonlinear_part(system, effect.name, name, function, at.tobytes())
+            value += found
+            for slot, slope in by_parameter.items():
+                slopes[:, slot] += slope
     return value, slopes
+
+
+@lru_cache(maxsize=256)
+def _nonlinear_part(
+    system: System, effect_name: str, name: str, function: Function, rows: bytes
+) -> tuple[Float, dict[int, Float]]:
+    """What an effect's function adds to a prediction (t,), and its slopes (t,) by the place of the
+    parameter; rows: `_prediction_arguments`. Kept, since most effects rest while others are fitted.
+    """
+    effect = system.effect(effect_name)
+    names = list(inspect.signature(function).parameters)
+    at = np.frombuffer(rows).reshape(-1, len(names))
+    slopes = {}
+    for row in (p for p in effect.parameters if p.name in effect.informs[name]):
+        step = np.zeros(len(names))
+        step[names.index(row.argument)] = DIFFERENCE_SHARE_OF_RANGE * (row.upper - row.lower)
+        change = _evaluate_rows(function, at + step) - _evaluate_rows(function, at - step)
+        slopes[system.slot[f"{effect.name}.{row.name}"]] = change / (2 * step.sum())
+    return _evaluate_rows(function, at), slopes
 
 
 def _prediction_arguments(

@@ -45,7 +45,7 @@ def _active_effects_by_block(system: System, values: Float) -> np.ndarray:
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc"})
 def _mark_active_effects(
     values: Float, slots: np.ndarray, first: np.ndarray, ends: np.ndarray, out: np.ndarray
 ) -> None:
@@ -55,9 +55,11 @@ def _mark_active_effects(
     for b in range(len(values)):
         for i in range(len(first)):
             for k in range(first[i], ends[i]):
+                total = 0.0  # a sum without a branch becomes vector instructions
                 for j in range(values.shape[2]):
-                    if values[b, slots[k], j] != 0.0:
-                        out[b, i] = 1
+                    total += abs(values[b, slots[k], j])
+                if total != 0.0:
+                    out[b, i] = 1
 
 
 def simulate_batch(

@@ -539,6 +539,23 @@ def test_check_warns_of_what_a_run_would_warn_of(tmp_path):
     assert re.search(r"Warning: trial T09: flap_hz is 0, but the tail beats at \d\.\d+ Hz", said)
 
 
+def test_check_warns_beside_an_error_in_another_trial(tmp_path):
+    study = small_study(tmp_path / "study")
+    edit_trials_csv(study, T09={"motor_log": "", "flap_hz": "0"})
+    (study / "keypoints/T10.csv").write_text("scorer\n")
+    said = CliRunner().invoke(main, ["check", str(study)])
+    assert said.exit_code == 1
+    assert "Warning: trial T09: flap_hz is 0, but the tail beats at" in said.output
+    assert "T10.csv" in said.output
+
+
+def test_a_flapping_frequency_that_no_robot_has_is_refused_with_its_row(tmp_path):
+    study = small_study(tmp_path / "study")
+    edit_trials_csv(study, T09={"motor_log": "", "flap_hz": "1e-9"})
+    with pytest.raises(InputError, match=r"T09\), flap_hz: found 1e-09; expected tail beats per s"):
+        load_study(study)
+
+
 def test_keypoints_that_repeat_are_named_as_such(study_with_turn):
     study, trial, positions = study_with_turn
     stopped = replace(positions, xy_m=positions.xy_m[np.arange(len(positions.xy_m)) // 20 * 20])

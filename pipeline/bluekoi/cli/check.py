@@ -61,16 +61,16 @@ def check(study: Path) -> None:
             wait.share = share
 
         unreadable, statuses = check_files(loaded, progress)
-    if unreadable:
-        raise InputError(unreadable)
-    filmed = sum(not trial.reads_keypoints for trial in loaded.trials)
-    conditions = len({trial.condition for trial in loaded.trials})
     warnings = trial_warnings(loaded, statuses)
-    more = "other " if remarks or warnings else ""
     for remark in remarks:
         click.echo(f"{study / 'study.yaml'}: {remark}")
     for warning in warnings:
         click.echo(f"Warning: {warning}")
+    if unreadable:
+        raise InputError(unreadable)
+    filmed = sum(not trial.reads_keypoints for trial in loaded.trials)
+    conditions = len({trial.condition for trial in loaded.trials})
+    more = "other " if remarks or warnings else ""
     click.echo(
         f"{study}: {len(loaded.trials)} trials ({filmed} filmed, {len(loaded.trials) - filmed} "
         f"keypoint files) in {conditions} conditions; no {more}error found in the files."

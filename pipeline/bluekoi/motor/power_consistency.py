@@ -12,7 +12,9 @@ MAX_FREQUENCY_SPREAD_SHARE = 0.2
 """Frequencies at one power differ by less: an emptying battery loses some 15 % of its voltage."""
 MAX_UNLOGGED_FREQUENCY_ERROR_SHARE = 0.1
 """A trial without a log beats as the logs of its power say to this share."""
-CHECK_POWER_REMEDY = "Check power_pct, and whether the motor logs are those of these trials."
+CHECK_POWER_REMEDY = (
+    "Check power_pct and fps, and whether the motor logs are those of these trials."
+)
 
 
 def power_warnings(

@@ -236,6 +236,8 @@ def _is_beyond_image_margin(value: float, size: int) -> bool:
     )
 
 
+MIN_FLAP_HZ = 0.01
+"""No robot needs longer than 100 s for a tail beat; a number below is in another unit."""
 MAX_NAME_BYTES, MAX_PATH_BYTES = 255, 4000
 """Longest name of a file or folder, and longest path, that Linux and macOS can open."""
 
@@ -253,6 +255,10 @@ def trial_problems(trial: Trial) -> list[SettingInconsistency]:
         kind = "a keypoint file" if trial.reads_keypoints else "pictures"
         expected = f"frames per second; fps is required where the source is {kind}"
         problems.append(SettingInconsistency("fps", "nothing", expected))
+    if trial.flap_hz is not None and 0 < trial.flap_hz < MIN_FLAP_HZ:
+        expected = f"tail beats per second, at least {MIN_FLAP_HZ:g}"
+        remedy = "Leave flap_hz empty where the frequency is not known."
+        problems.append(SettingInconsistency("flap_hz", f"{trial.flap_hz:g}", expected, remedy))
     if (trial.start_x_px is None) != (trial.start_y_px is None):
         lacking = "start_x_px" if trial.start_x_px is None else "start_y_px"
         problems.append(

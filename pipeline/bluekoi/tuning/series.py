@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,7 +15,9 @@ from ..study import Study, StudySettings, Trial
 from .similar_robots import state_std_scaled_to_robot
 
 OUTLIER_SIGMA = 6.0
-SERVO_STD_RAD = 0.01  # ASSUME a servo error of 0.6 degrees, constant within a trial
+HEAD_ANGLE_STD_RAD = 0.01
+"""ASSUME that the head angle seen is off by 0.6 degrees, by the servo and by the keypoints; this
+error is constant within a trial."""
 RECOIL_ERROR_CORRELATION_BEATS = 0.25
 """Beats for which an error of the recoil keeps its sign: an oscillation is on one side for half a
 beat, and its mean over longer blocks falls. Once a beat makes the true causes of 14 known studies
@@ -52,8 +55,8 @@ def trial_series(
     """One trial: poses without the tail-beat recoil, outliers and frames that were hardly seen, and
     what was commanded, from the start of the motor on.
 
-    The head angle of a trial counts as one observation of `SERVO_STD_RAD`, spread over its frames:
-    its error is the servo's and the keypoints', the same in every frame.
+    The head angle of a trial counts as one observation of `HEAD_ANGLE_STD_RAD`, spread over its
+    frames, since its error is the same in every frame (`with_changes_of_head_angle`).
     """
     started = float(np.nan_to_num(flapping.start_s))
     started = started if started < 0.5 * track.time_s[-1] else 0.0
@@ -64,7 +67,7 @@ def trial_series(
     seen = _without_recoil(pose.values[inside], times, track)
     noise = pose.cov[inside].copy()
     noise[:, 3, :3] = noise[:, :3, 3] = 0.0
-    noise[:, 3, 3] += SERVO_STD_RAD**2 * len(times)
+    noise[:, 3, 3] += _head_angle_variance_per_frame(len(times))
     unusable = ~np.all(np.isfinite(noise), axis=(1, 2)) | _is_far_from_track(
         seen, noise, times, track
     )
@@ -95,6 +98,24 @@ def trial_series(
         cov=np.diag(np.concatenate([start_std, np.full(others, 1e-6)]) ** 2),
         force_size=_random_force_size(flapping.flap_hz, robot_units(setup.robot)),
     )
+
+
+def with_changes_of_head_angle(series: Sequence[TrialSeries]) -> list[TrialSeries]:
+    """Series, as `trial_series` makes them, whose noise of the head angle is that of a frame alone,
+    so that changes of the angle within a trial count. For fits that have the error which is
+    constant within a trial as a `TrialEffect`.
+    """
+    out = []
+    for one in series:
+        noise = one.noise.copy()
+        noise[:, 3, 3] -= _head_angle_variance_per_frame(len(one.times))
+        out.append(replace(one, noise=noise))
+    return out
+
+
+def _head_angle_variance_per_frame(frames: int) -> float:
+    """Variance of a frame's head angle (rad^2) for which `frames` of them are one observation."""
+    return HEAD_ANGLE_STD_RAD**2 * frames
 
 
 def _swims_in_first_frame(track: Track) -> bool:

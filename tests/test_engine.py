@@ -164,6 +164,15 @@ def test_random_trial_effects_are_integrated_out_exactly() -> None:
     assert effects.slopes[0] == pytest.approx(-own @ J)
 
 
+def test_a_trial_in_which_the_model_runs_away_has_no_products_and_raises_nothing() -> None:
+    """A search ended where a step made two differences grow alike beyond what floats resolve."""
+    products = np.full((1, 4, 4), 2.0**100)
+    found, constant, effects = marginal_products(products, np.ones((1, 2)))
+    assert np.isnan(found).all()
+    assert np.isnan(effects.values).all()
+    assert not np.isfinite(constant).any()
+
+
 def no_force() -> tuple[float]:
     """No force of its own."""
     return (0.0,)

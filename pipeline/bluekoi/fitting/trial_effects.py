@@ -125,6 +125,7 @@ def marginal_products(
     With the errors e, columns J and random columns Z of covariance D = diag(stds^2), a trial's
     marginal likelihood has the products P - P_z (P_zz + D^-1)^-1 P_z' and the constant
     -1/2 log|I + D P_zz| (t,); the most probable coefficients are (P_zz + D^-1)^-1 Z'(e - J d).
+    All are NaN where a model runs away so far that this has no solution.
     (Laird and Ware, Biometrics 38 (1982), 963)
     """
     q = stds.shape[1]
@@ -136,7 +137,11 @@ def marginal_products(
         return products, np.zeros(len(products)), none
     scaled = products[:, :, kept:] * stds[:, None, :]  # P_z D^1/2
     inner = np.eye(q) + scaled[:, kept:] * stds[:, :, None]
-    solved = np.linalg.solve(inner, np.swapaxes(scaled[:, :kept], 1, 2))
+    right = np.swapaxes(scaled[:, :kept], 1, 2)
+    try:
+        solved = np.linalg.solve(inner, right)
+    except np.linalg.LinAlgError:  # I + D P_zz of a model that runs away has lost its I
+        solved = np.full(right.shape, np.nan)
     with np.errstate(invalid="ignore"):  # of a trial in which the model runs away
         constant = -0.5 * np.linalg.slogdet(inner)[1]
     probable = stds[:, :, None] * solved

@@ -41,19 +41,22 @@ def study_series(
     flapping: Mapping[str, FlappingFrequency],
 ) -> list[TrialSeries]:
     """A `TrialSeries` for every trial that has a pose, a track and a flapping frequency."""
+    before = [0.0, *(trial.head_angle_rad for trial in study.trials)]
     return [
-        trial_series(trial, study.setup, poses[i], tracks[i], flapping[i])
-        for trial in study.trials
+        trial_series(trial, study.setup, poses[i], tracks[i], flapping[i], angle_before_rad=angle)
+        for trial, angle in zip(study.trials, before, strict=False)
         for i in [trial.trial_id]
         if i in poses and i in tracks and i in flapping
     ]
 
 
 def trial_series(
-    trial: Trial, setup: StudySettings, pose: Pose, track: Track, flapping: FlappingFrequency
-) -> TrialSeries:
+    trial: Trial, setup: StudySettings, pose: Pose, track: Track, flapping: FlappingFrequency, *,
+    angle_before_rad: float = 0.0,
+) -> TrialSeries:  # fmt: skip
     """One trial: poses without the tail-beat recoil, outliers and frames that were hardly seen, and
-    what was commanded, from the start of the motor on.
+    what was commanded, from the start of the motor on. angle_before_rad: head angle commanded in
+    the trial before.
 
     The head angle of a trial counts as one observation of `HEAD_ANGLE_STD_RAD`, spread over its
     frames, since its error is the same in every frame (`with_changes_of_head_angle`).
@@ -89,6 +92,7 @@ def trial_series(
             setup,
             trial.head_length_m,
             heading_rad=start[2],
+            angle_before_rad=angle_before_rad,
             start_s=-LONG_BEFORE_S if swims else started,
             view=camera_error_inputs(setup),
         ),

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -15,9 +14,7 @@ from ..study import Study, StudySettings, Trial
 from .similar_robots import state_std_scaled_to_robot
 
 OUTLIER_SIGMA = 6.0
-HEAD_ANGLE_STD_RAD = 0.01
-"""ASSUME that the head angle seen is off by 0.6 degrees, by the servo and by the keypoints; this
-error is constant within a trial."""
+SERVO_STD_RAD = 0.01  # ASSUME a servo error of 0.6 degrees, constant within a trial
 RECOIL_ERROR_CORRELATION_BEATS = 0.25
 """Beats for which an error of the recoil keeps its sign: an oscillation is on one side for half a
 beat, and its mean over longer blocks falls. Once a beat makes the true causes of 14 known studies
@@ -41,25 +38,22 @@ def study_series(
     flapping: Mapping[str, FlappingFrequency],
 ) -> list[TrialSeries]:
     """A `TrialSeries` for every trial that has a pose, a track and a flapping frequency."""
-    before = [0.0, *(trial.head_angle_rad for trial in study.trials)]
     return [
-        trial_series(trial, study.setup, poses[i], tracks[i], flapping[i], angle_before_rad=angle)
-        for trial, angle in zip(study.trials, before, strict=False)
+        trial_series(trial, study.setup, poses[i], tracks[i], flapping[i])
+        for trial in study.trials
         for i in [trial.trial_id]
         if i in poses and i in tracks and i in flapping
     ]
 
 
 def trial_series(
-    trial: Trial, setup: StudySettings, pose: Pose, track: Track, flapping: FlappingFrequency, *,
-    angle_before_rad: float = 0.0,
-) -> TrialSeries:  # fmt: skip
+    trial: Trial, setup: StudySettings, pose: Pose, track: Track, flapping: FlappingFrequency
+) -> TrialSeries:
     """One trial: poses without the tail-beat recoil, outliers and frames that were hardly seen, and
-    what was commanded, from the start of the motor on. angle_before_rad: head angle commanded in
-    the trial before.
+    what was commanded, from the start of the motor on.
 
-    The head angle of a trial counts as one observation of `HEAD_ANGLE_STD_RAD`, spread over its
-    frames, since its error is the same in every frame (`with_changes_of_head_angle`).
+    The head angle of a trial counts as one observation of `SERVO_STD_RAD`, spread over its frames:
+    its error is the servo's and the keypoints', the same in every frame.
     """
     started = float(np.nan_to_num(flapping.start_s))
     started = started if started < 0.5 * track.time_s[-1] else 0.0
@@ -70,7 +64,7 @@ def trial_series(
     seen = _without_recoil(pose.values[inside], times, track)
     noise = pose.cov[inside].copy()
     noise[:, 3, :3] = noise[:, :3, 3] = 0.0
-    noise[:, 3, 3] += _head_angle_variance_per_frame(len(times))
+    noise[:, 3, 3] += SERVO_STD_RAD**2 * len(times)
     unusable = ~np.all(np.isfinite(noise), axis=(1, 2)) | _is_far_from_track(
         seen, noise, times, track
     )
@@ -92,7 +86,6 @@ def trial_series(
             setup,
             trial.head_length_m,
             heading_rad=start[2],
-            angle_before_rad=angle_before_rad,
             start_s=-LONG_BEFORE_S if swims else started,
             view=camera_error_inputs(setup),
         ),
@@ -102,24 +95,6 @@ def trial_series(
         cov=np.diag(np.concatenate([start_std, np.full(others, 1e-6)]) ** 2),
         force_size=_random_force_size(flapping.flap_hz, robot_units(setup.robot)),
     )
-
-
-def with_changes_of_head_angle(series: Sequence[TrialSeries]) -> list[TrialSeries]:
-    """Series, as `trial_series` makes them, whose noise of the head angle is that of a frame alone,
-    so that changes of the angle within a trial count. For fits that have the error which is
-    constant within a trial as a `TrialEffect`.
-    """
-    out = []
-    for one in series:
-        noise = one.noise.copy()
-        noise[:, 3, 3] -= _head_angle_variance_per_frame(len(one.times))
-        out.append(replace(one, noise=noise))
-    return out
-
-
-def _head_angle_variance_per_frame(frames: int) -> float:
-    """Variance of a frame's head angle (rad^2) for which `frames` of them are one observation."""
-    return HEAD_ANGLE_STD_RAD**2 * frames
 
 
 def _swims_in_first_frame(track: Track) -> bool:

@@ -28,7 +28,7 @@ from bluekoi.fitting.bounded_step import bounded_step
 from bluekoi.fitting.gram import add_whitened_column_products
 from bluekoi.fitting.linear import linearised, log_likelihood, log_likelihood_gradient
 from bluekoi.fitting.trial_effects import sample_trial_effects
-from bluekoi.integrate import compile_system
+from bluekoi.integrate import Stage, compile_system
 from mass_model import SYSTEM
 
 STEP_S = 0.05
@@ -91,6 +91,32 @@ def test_fit_noise_finds_force_error_and_white_noise() -> None:
     strength, known = (n.disturbance * np.sqrt(n.tau) for n in (found, true))
     assert strength == pytest.approx(known, rel=0.25)
     assert found.scale == pytest.approx(true.scale, rel=0.15)
+
+
+def four_times(x: float) -> tuple[float, float, float, float]:
+    """The place, seen by four instruments."""
+    return x, x, x, x
+
+
+@pytest.mark.parametrize(("stated", "expected"), [((), [1.0, 1.0, 1.0, 3.0]),
+                                                  ((3,), [1.0, 1.0, 1.0, 1.0])])  # fmt: skip
+def test_the_noise_of_every_observation_is_estimated_but_where_it_is_stated(
+    stated: tuple[int, ...], expected: list[float]
+) -> None:
+    """The deviation of the fourth instrument is stated three times too small."""
+    names, rng, n = ("seen_1", "seen_2", "seen_3", "seen_4"), np.random.default_rng(8), 300
+    stages = (*SYSTEM.stages[:2], Stage("observe", names, four_times, open=True))
+    system = replace(SYSTEM, name="mass_seen_four_times", stages=stages, observations=names,
+                     effects=SYSTEM.effects[:1])  # fmt: skip
+    one = replace(
+        make_series(np.zeros(n)), mean=np.zeros(3), cov=np.diag([0.01**2, 0.02**2, 0.0]),
+        seen=WHITE_STD * rng.standard_normal((n, 4)) * [1.0, 1.0, 1.0, 3.0],
+        noise=np.tile(WHITE_STD**2 * np.eye(4), (n, 1, 1)),
+    )  # fmt: skip
+    first = Noise(np.array([1e-3]), np.array([0.5]), np.ones(4), stated_scales=stated)
+    kernel = compile_system(system)
+    found = estimate_noise_model(kernel, [one], [system.values({})], first, rounds=20).noise
+    assert found.scale == pytest.approx(expected, rel=0.15)
 
 
 def test_likelihood_around_a_path_is_that_of_a_new_pass() -> None:

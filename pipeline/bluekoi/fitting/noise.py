@@ -155,7 +155,8 @@ def _estimated_indices(kernel: CompiledSystem, noise: Noise) -> list[int]:
     count = len(noise.disturbance)
     used = [k for k in range(count) if noise.disturbance[k] > 0]
     times = [count + k for k in _correlation_times(kernel, count) if k in used]
-    return [*used, *times, *(2 * count + k for k in range(min(3, len(noise.scale))))]
+    scales = [k for k in range(len(noise.scale)) if k not in noise.stated_scales]
+    return [*used, *times, *(2 * count + k for k in scales)]
 
 
 def _correlation_times(kernel: CompiledSystem, count: int) -> dict[int, tuple[int, Parameter]]:

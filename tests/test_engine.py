@@ -173,6 +173,25 @@ def test_a_trial_in_which_the_model_runs_away_has_no_products_and_raises_nothing
     assert not np.isfinite(constant).any()
 
 
+def test_a_trial_without_products_leaves_the_others_as_they_are() -> None:
+    """The first has a singular matrix; of the second, rounding errors are all that is left."""
+    rng = np.random.default_rng(1)
+    columns, alike = rng.normal(size=(9, 4)), rng.normal(size=(9, 4))
+    alike[:, 3] = alike[:, 2] + 1e-9 * alike[:, 3]
+    alike[:, 0] = alike[:, 2]
+    sound, close = columns.T @ columns, 1e20 * alike.T @ alike
+    found, constant, effects = marginal_products(
+        np.array([np.full((4, 4), 2.0**100), close, sound]), np.ones((3, 2))
+    )
+    assert np.isnan(found[:2]).all()
+    assert np.isnan(constant[:2]).all()
+    assert np.isnan(effects.values[:2]).all()
+    alone, own_constant, own_effects = marginal_products(sound[None], np.ones((1, 2)))
+    assert found[2] == pytest.approx(alone[0])
+    assert constant[2] == pytest.approx(own_constant[0])
+    assert effects.values[2] == pytest.approx(own_effects.values[0])
+
+
 def no_force() -> tuple[float]:
     """No force of its own."""
     return (0.0,)

@@ -113,7 +113,7 @@ def test_the_noise_of_every_observation_is_estimated_but_where_it_is_stated(
         seen=WHITE_STD * rng.standard_normal((n, 4)) * [1.0, 1.0, 1.0, 3.0],
         noise=np.tile(WHITE_STD**2 * np.eye(4), (n, 1, 1)),
     )  # fmt: skip
-    first = Noise(np.array([1e-3]), np.array([0.5]), np.ones(4), stated_scales=stated)
+    first = Noise(np.array([1e-3]), np.array([0.5]), np.ones(4), fixed_scales=stated)
     kernel = compile_system(system)
     found = estimate_noise_model(kernel, [one], [system.values({})], first, rounds=20).noise
     assert found.scale == pytest.approx(expected, rel=0.15)

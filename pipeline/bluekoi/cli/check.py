@@ -41,7 +41,7 @@ UNCHECKED_MOTION_NOTE = (
     help="Show meaning, unit and default of a key of study.yaml or a column of trials.csv.",
 )
 def check(study: Path) -> None:
-    """List all errors in the files of STUDY, a folder with study.yaml and trials.csv."""
+    """List errors and warnings on the files of STUDY, a folder with study.yaml and trials.csv."""
     from ..errors import InputError  # noqa: PLC0415
     from ..preparation.input_check import check_files, setup_findings  # noqa: PLC0415
     from ..study import load_study, missing_files  # noqa: PLC0415

@@ -155,7 +155,7 @@ def _estimated_indices(kernel: CompiledSystem, noise: Noise) -> list[int]:
     count = len(noise.disturbance)
     used = [k for k in range(count) if noise.disturbance[k] > 0]
     times = [count + k for k in _correlation_times(kernel, count) if k in used]
-    scales = [k for k in range(len(noise.scale)) if k not in noise.stated_scales]
+    scales = [k for k in range(len(noise.scale)) if k not in noise.fixed_scales]
     return [*used, *times, *(2 * count + k for k in scales)]
 
 

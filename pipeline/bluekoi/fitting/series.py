@@ -76,7 +76,8 @@ class Noise:
     correlation times [s]. scale (observations,): factor on the stated standard deviation of each
     observation. trial_effects: errors that are constant within a trial and differ between trials.
     least_scale: lower bound of estimates of `scale`, 1 if the stated deviations are those of the
-    instrument. stated_scales: places of observations whose `scale` is not estimated.
+    instrument. fixed_scales: indices of the observations whose `scale` is
+    not estimated.
     """
 
     disturbance: Float
@@ -84,7 +85,7 @@ class Noise:
     scale: Float
     trial_effects: tuple[TrialEffect, ...] = ()
     least_scale: float = 0.0
-    stated_scales: tuple[int, ...] = ()
+    fixed_scales: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         if np.any(self.disturbance < 0) or np.any(self.scale <= 0) or np.any(self.tau <= 0):

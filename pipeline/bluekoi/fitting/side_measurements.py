@@ -95,8 +95,8 @@ def predict_side_measurement(
         function = effect.evidence.get(name)
         if callable(function):
             at = _prediction_arguments(system, effect, function, points, arguments)
-            found, by_parameter = _nonlinear_part(system, effect.name, name, function, at.tobytes())
-            value += found
+            added, by_parameter = _nonlinear_part(system, effect.name, name, function, at.tobytes())
+            value += added
             for slot, slope in by_parameter.items():
                 slopes[:, slot] += slope
     return value, slopes
@@ -107,7 +107,8 @@ def _nonlinear_part(
     system: System, effect_name: str, name: str, function: Function, rows: bytes
 ) -> tuple[Float, dict[int, Float]]:
     """What an effect's function adds to a prediction (t,), and its slopes (t,) by the place of the
-    parameter; rows: `_prediction_arguments`. Kept, since most effects rest while others are fitted.
+    parameter; rows: `_prediction_arguments`. Cached, since the parameters of most effects do not
+    change between calls.
     """
     effect = system.effect(effect_name)
     names = list(inspect.signature(function).parameters)

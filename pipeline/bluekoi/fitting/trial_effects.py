@@ -30,6 +30,9 @@ class MostProbableTrialEffects:
     slopes: Float
 
 
+RELATIVE_ROUNDING_ERROR, NEGLIGIBLE_ERROR = 1e-14, 1e-3
+"""Rounding error of a marginal sum of squares, over the sum before: tens of units in the last place
+of a double; and one that makes no difference to a log likelihood."""
 NO_EFFECTS = MostProbableTrialEffects(np.zeros((1, 0)), np.zeros((1, 0, 1)))
 """Of a model without such effects."""
 
@@ -125,7 +128,8 @@ def marginal_products(
     With the errors e, columns J and random columns Z of covariance D = diag(stds^2), a trial's
     marginal likelihood has the products P - P_z (P_zz + D^-1)^-1 P_z' and the constant
     -1/2 log|I + D P_zz| (t,); the most probable coefficients are (P_zz + D^-1)^-1 Z'(e - J d).
-    All are NaN where a model runs away so far that this has no solution.
+    All are NaN for a trial in which the model runs away: by rounding errors, I + D P_zz is then not
+    positive definite, or the marginal e'e not known.
     (Laird and Ware, Biometrics 38 (1982), 963)
     """
     q = stds.shape[1]
@@ -137,13 +141,16 @@ def marginal_products(
         return products, np.zeros(len(products)), none
     scaled = products[:, :, kept:] * stds[:, None, :]  # P_z D^1/2
     inner = np.eye(q) + scaled[:, kept:] * stds[:, :, None]
-    right = np.swapaxes(scaled[:, :kept], 1, 2)
-    try:
-        solved = np.linalg.solve(inner, right)
-    except np.linalg.LinAlgError:  # I + D P_zz of a model that runs away has lost its I
-        solved = np.full(right.shape, np.nan)
     with np.errstate(invalid="ignore"):  # of a trial in which the model runs away
-        constant = -0.5 * np.linalg.slogdet(inner)[1]
+        sign, log_determinant = np.linalg.slogdet(inner)
+    definite = (sign > 0)[:, None, None]
+    solved = np.linalg.solve(
+        np.where(definite, inner, np.eye(q)), np.swapaxes(scaled[:, :kept], 1, 2)
+    )
+    marginal = products[:, :kept, :kept] - scaled[:, :kept] @ solved
+    rounding = RELATIVE_ROUNDING_ERROR * products[:, :1, :1]
+    solvable = definite & ((marginal[:, :1, :1] > rounding) | (rounding < NEGLIGIBLE_ERROR))
+    solved, marginal = (np.where(solvable, found, np.nan) for found in (solved, marginal))
     probable = stds[:, :, None] * solved
     effects = MostProbableTrialEffects(probable[:, :, 0], -probable[:, :, 1:])
-    return products[:, :kept, :kept] - scaled[:, :kept] @ solved, constant, effects
+    return marginal, np.where(solvable[:, 0, 0], -0.5 * log_determinant, np.nan), effects

@@ -199,7 +199,7 @@ def segment_noise(kernel: CompiledSystem, one: TrialSeries, values: Float, noise
         for scale in RANDOM_FORCE_SCALES:
             disturbance = best.disturbance.copy()
             disturbance[k] = scale * noise.disturbance[k]
-            candidate = Noise(disturbance, noise.tau, noise.scale)
+            candidate = replace(noise, disturbance=disturbance)
             found = filter_series(kernel, one, values, candidate).log_likelihood
             if found > likelihood:
                 best, likelihood = candidate, found

@@ -237,7 +237,7 @@ def _is_beyond_image_margin(value: float, size: int) -> bool:
 
 
 MIN_FLAP_HZ = 0.01
-"""No robot needs longer than 100 s for a tail beat; a number below is in another unit."""
+"""Lowest flapping frequency besides 0: one tail beat in 100 s."""
 MAX_NAME_BYTES, MAX_PATH_BYTES = 255, 4000
 """Longest name of a file or folder, and longest path, that Linux and macOS can open."""
 
@@ -256,7 +256,7 @@ def trial_problems(trial: Trial) -> list[SettingInconsistency]:
         expected = f"frames per second; fps is required where the source is {kind}"
         problems.append(SettingInconsistency("fps", "nothing", expected))
     if trial.flap_hz is not None and 0 < trial.flap_hz < MIN_FLAP_HZ:
-        expected = f"tail beats per second, at least {MIN_FLAP_HZ:g}"
+        expected = f"tail beats per second: 0, or at least {MIN_FLAP_HZ:g}"
         remedy = "Leave flap_hz empty where the frequency is not known."
         problems.append(SettingInconsistency("flap_hz", f"{trial.flap_hz:g}", expected, remedy))
     if (trial.start_x_px is None) != (trial.start_y_px is None):

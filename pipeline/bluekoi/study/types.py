@@ -59,7 +59,7 @@ class Trial(Section):
     flap_hz: Annotated[PlainFloat, Field(ge=0, le=100, allow_inf_nan=False)] | None = (
         described_field(
             "Flapping frequency, where there is no motor log; not counted in the same video, whose "
-            "frame rate it checks.",
+            "frame rate it checks. If the tail beats, at least 0.01 Hz.",
             "Hz",
             None,
         )

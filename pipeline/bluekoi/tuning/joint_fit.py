@@ -29,9 +29,13 @@ from ..fitting.sandwich import MIN_NAIVE_VARIANCE_SHARE
 from ..integrate import CompiledSystem
 from ..integrate.system import Parameter
 from ..model import HYDRODYNAMIC_COEFFICIENTS
-from ..observation import OBSERVED_QUANTITIES
 from .bounds import LOWER, UPPER, bound_sides, intervals_at_bounds
-from .similar_robots import noise_scaled_to_robot, robot_units_of_trials, trial_kernel
+from .similar_robots import (
+    HEAD_ANGLE_COLUMN,
+    noise_scaled_to_robot,
+    robot_units_of_trials,
+    trial_kernel,
+)
 
 HEAD_ANGLE_ERROR_PARAMETER = "head_angle_offset.offset"
 """The parameter that a servo's error in one trial changes."""
@@ -45,11 +49,12 @@ START_NOISE = Noise(
     np.array([0.005, 0.005, 0.0005, 3e-4, 3e-4, 3e-3]),
     np.array([0.5, 0.5, 0.5, 0.2, 0.2, 0.2]),
     np.ones(4),
-    stated_scales=(OBSERVED_QUANTITIES.index("head_angle"),),
+    fixed_scales=(HEAD_ANGLE_COLUMN,),
 )
 """Before it is fitted, for the published robot: 5 mN, 5 mN, 0.5 mN m of water, forgotten within
-0.5 s; tracking errors of 0.3 mm and 0.17 degrees, forgotten within 0.2 s; white noise as stated,
-and for the head angle not estimated, since `trial_series` adds the error of a trial to it."""
+0.5 s; tracking errors of 0.3 mm and 0.17 degrees, forgotten within 0.2 s; white noise as stated.
+The scale of the head angle is not estimated: its variance contains the error that is constant
+within a trial."""
 
 
 @dataclass(frozen=True)

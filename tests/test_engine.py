@@ -14,6 +14,7 @@ from scipy.stats import multivariate_normal
 
 from bluekoi.engine import (
     CauseSearchProblem,
+    FitRequest,
     FittedCauseSet,
     NamedCause,
     Posterior,
@@ -305,18 +306,18 @@ def test_a_cause_is_fitted_in_place_of_all_residual_terms_of_its_kind(
     visited = SimpleNamespace(problem=problem, sets={}, expansion=lambda scored: scored)
     fitted: list[tuple[tuple[str, ...], str]] = []
 
-    def add(causes: Sequence[str], near: object, start: object = None, **_: bool) -> object:
-        scored = SimpleNamespace(causes=tuple(causes), model=SimpleNamespace(key=frozenset(causes)))
-        fitted.append((tuple(sorted(causes)), "+".join(sorted(near.key))))
-        visited.sets[frozenset(causes)] = scored
+    def add(wanted: FitRequest) -> object:
+        scored = SimpleNamespace(causes=wanted.causes, model=SimpleNamespace(key=wanted.key))
+        fitted.append((tuple(sorted(wanted.causes)), "+".join(sorted(wanted.near.key))))
+        visited.sets[wanted.key] = scored
         return scored
 
-    visited.add = add
+    visited.add, visited.add_side_by_side = add, lambda wanted: [add(one) for one in wanted]
     monkeypatch.setattr(search, "rank_further_causes",
                         lambda _, __, among: [(1.0, c.name) for c in among])  # fmt: skip
     monkeypatch.setattr(search, "_start_of_further_cause", lambda *_: {})
-    monkeypatch.setattr(search, "_fit_further_causes",
-                        lambda v, s, _: v.add((*s.causes, "sag"), s.model))  # fmt: skip
+    monkeypatch.setattr(search, "_fits_of_further_causes",
+                        lambda _, s, __: [FitRequest((*s.causes, "sag"), s.model)])  # fmt: skip
     best = SimpleNamespace(causes=("residual.a", "residual.b", "lag"),
                            model=SimpleNamespace(key=frozenset()))  # fmt: skip
     search._fit_causes_in_place_of_residual_terms(visited, best)
@@ -331,6 +332,16 @@ def test_a_cause_is_fitted_in_place_of_all_residual_terms_of_its_kind(
         visited, SimpleNamespace(causes=("fin",), model=best.model)
     )
     assert fitted == []
+
+
+def test_a_search_does_not_depend_on_the_number_of_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = []
+    for threads in ("1", "2", "3"):
+        monkeypatch.setenv("BLUEKOI_THREADS", threads)
+        visited = search_cause_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
+        found.append({key: one.log_posterior for key, one in visited.sets.items()})
+    assert len(found[0]) > 2
+    assert found[0] == found[1] == found[2]
 
 
 def test_a_set_is_at_least_as_likely_as_its_parts() -> None:

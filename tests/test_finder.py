@@ -14,7 +14,7 @@ from bluekoi import smoothing
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.data import FlappingFrequency
 from bluekoi.engine import NamedCause, PriorInclusionProbabilities, candidates_by_effect_name
-from bluekoi.engine.fitted_sets import FittedCauseSets
+from bluekoi.engine.fitted_sets import FitRequest, FittedCauseSets
 from bluekoi.engine.naming import UNLISTED_FORCE_LABEL
 from bluekoi.errors import InputError
 from bluekoi.files import to_json_types
@@ -437,7 +437,7 @@ def test_a_set_with_more_states_than_the_filter_has_lanes_is_not_fitted(
     assert problem.can_be_filtered(three[:2])
     assert not problem.can_be_filtered(three)
     visited = FittedCauseSets(problem)
-    assert visited.add(three, found.model) is None
+    assert visited.add(FitRequest(three, found.model)) is None
     assert not visited.sets
     strengths = ("tail_fin_lift.lift_area", "lift_lag.lagging_share", "stall.lift_loss")
     points = [v.copy() for v in found.baseline.trial_values(kernel, few)]

@@ -19,19 +19,21 @@ significance  whether the trials agree that a named cause acts
 
 from .candidates import Candidate, PriorInclusionProbabilities, candidates_by_effect_name
 from .expansion import LikelihoodExpansion, expand_likelihood
+from .fitted_sets import FitRequest, FittedCauseSets
 from .named_cause import NamedCause
 from .naming import choose_causes, most_probable_set_with_causes, named_causes
 from .own_noise import fit_own_noise, refit_without_discrepancy
 from .posterior import Posterior, posterior_over_sets
 from .problem import CauseSearchProblem
 from .refit import FittedCauseSet, fit_cause_set, off_bounds_mask
-from .search import FittedCauseSets, search_cause_sets
+from .search import search_cause_sets
 from .set_score import ScoredCauseSet
 from .significance import insignificance_sentence, insignificant_causes, strength_estimates
 
 __all__ = [
     "Candidate",
     "CauseSearchProblem",
+    "FitRequest",
     "FittedCauseSet",
     "FittedCauseSets",
     "LikelihoodExpansion",

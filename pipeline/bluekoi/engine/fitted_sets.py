@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..integrate.batch import threaded_map
 from .expansion import LikelihoodExpansion, expand_likelihood
 from .own_noise import fit_own_noise
 from .problem import CauseSearchProblem
@@ -32,6 +33,27 @@ the final noise of that set. Left as it is, it has posterior odds below 1 / 3000
 probability by a fiftieth of its Monte Carlo error
 (`posterior.CAUSE_POSTERIOR_BOOTSTRAP_SAMPLES`)."""
 
+SETS_CONVERGED_SIDE_BY_SIDE = 2
+"""Which sets are fitted until they converge depends on this number, so that it is the same on all
+machines."""
+
+
+@dataclass(frozen=True)
+class FitRequest:
+    """A set of causes to fit, begun at the values and the noise of a fitted set and, of the labels
+    in start, at these. refit: also a set that has been fitted.
+    """
+
+    causes: tuple[str, ...]
+    near: FittedCauseSet
+    start: Mapping[str, float] = field(default_factory=dict)
+    refit: bool = False
+
+    @property
+    def key(self) -> frozenset[str]:
+        """The set of causes."""
+        return frozenset(self.causes)
+
 
 @dataclass
 class FittedCauseSets:
@@ -47,47 +69,56 @@ class FittedCauseSets:
         """The most probable set."""
         return max(self.sets.values(), key=lambda s: s.log_posterior)
 
-    def add(
-        self,
-        causes: Sequence[str],
-        near: FittedCauseSet,
-        start: dict[str, float] | None = None,
-        *,
-        refit: bool = False,
-    ) -> ScoredCauseSet | None:
-        """Fit a set, begun at another's values and noise, under its own noise; None where it runs
-        away or has more states than the filter. refit: also a set that has been fitted; its better
-        fit is kept.
+    def add(self, wanted: FitRequest) -> ScoredCauseSet | None:
+        """Fit a set under its own noise and keep it where it fits better than before.
+
+        Returns: the best fit of the set so far; None where it runs away or has more states than the
+        filter.
         """
-        key = frozenset(causes)
-        before = self.sets.get(key)
-        if not self.problem.can_be_filtered(key) or (before is not None and not refit):
-            return before
-        self.problem.progress(" + ".join(causes) or "baseline")
-        known = {**near.fit.by_label(), **(start or {})}
+        return self.add_side_by_side([wanted])[0]
+
+    def add_side_by_side(self, wanted: Sequence[FitRequest]) -> list[ScoredCauseSet | None]:
+        """As `add`, of several sets, in threads."""
+        fitted = set(self.sets)
+        due = []
+        for one in wanted:
+            if one.refit or one.key not in fitted:
+                due.append(one)
+                fitted.add(one.key)
+        for one, found in zip(due, threaded_map(self._fitted, due), strict=True):
+            before = self.sets.get(one.key)
+            if found is not None and (before is None or found.log_joint > before.log_joint):
+                self.sets[one.key] = found
+                self.full.pop(one.key, None)
+                self.converged.discard(one.key)
+        return [self.sets.get(one.key) for one in wanted]
+
+    def _fitted(self, wanted: FitRequest) -> ScoredCauseSet | None:
+        """Fit of a set; None where it runs away or has more states than the filter."""
+        problem, near, causes, key = self.problem, wanted.near, wanted.causes, wanted.key
+        if not problem.can_be_filtered(key):
+            return None
+        problem.progress(" + ".join(causes) or "baseline")
+        known = {**near.fit.by_label(), **wanted.start}
         for cause in key - near.key:
-            known |= likeliest_strength_start(self.problem, near, cause)
+            known |= likeliest_strength_start(problem, near, cause)
         left = self.shared_discrepancy(near, key)
         stds = {label: std for label, std in near.deviations.items() if label in left}
-        effects = near.effects(self.problem)
-        model = fit_cause_set(self.problem, causes, near.noise, known, discrepancy=left,
-                       deviations=stds, effects=effects)  # fmt: skip
+        effects = near.effects(problem)
+        model = fit_cause_set(problem, causes, near.noise, known, discrepancy=left,
+                              deviations=stds, effects=effects)  # fmt: skip
         if near.key < key and model.log_joint < near.log_joint - MAX_NESTED_LOG_LIK_LOSS:
             absent = {f.label: 0.0 for cause in key - near.key
-                      for f in self.problem.by_name[cause].strengths}  # fmt: skip
-            model = fit_cause_set(self.problem, causes, near.noise, {**known, **absent},
+                      for f in problem.by_name[cause].strengths}  # fmt: skip
+            model = fit_cause_set(problem, causes, near.noise, {**known, **absent},
                                   discrepancy=left, deviations=stds, effects=effects)  # fmt: skip
         if not model.usable:
-            return before
-        plain = score_cause_set(self.problem, model)
-        found = refit_with_discrepancy(self.problem, plain, most=1)
+            return None
+        plain = score_cause_set(problem, model)
+        found = refit_with_discrepancy(problem, plain, most=1)
         if found is plain:
-            found = score_cause_set(self.problem, fit_own_noise(self.problem, model, most=1))
-        if before is None or found.log_joint > before.log_joint:
-            self.sets[key] = found
-            self.full.pop(key, None)
-            self.converged.discard(key)
-        return self.sets[key]
+            found = score_cause_set(problem, fit_own_noise(problem, model, most=1))
+        return found
 
     def shared_discrepancy(self, near: FittedCauseSet, causes: frozenset[str]) -> dict[str, float]:
         """What the formulas of another set's causes leave that these causes may leave as well."""
@@ -103,16 +134,14 @@ class FittedCauseSets:
             k for k, s in self.sets.items() if k not in self.converged
             and s.log_posterior > self.best.log_posterior - self._max_log_odds_to_refit(k)
         ]:  # fmt: skip
-            key = max(todo, key=lambda k: self.sets[k].log_posterior)
-            self.converged.add(key)
-            found = self.sets[key]
-            model = fit_own_noise(self.problem, found.model)
-            if model is not found.model:
-                found = score_cause_set(self.problem, model)
-            found = refit_with_discrepancy(self.problem, found, rounds=MAX_DISCREPANCY_ROUNDS)
-            if found is not self.sets[key]:
-                self.sets[key] = found
-                self.full.pop(key, None)
+            todo.sort(key=lambda k: -self.sets[k].log_posterior)
+            keys = todo[:SETS_CONVERGED_SIDE_BY_SIDE]
+            self.converged.update(keys)
+            found = threaded_map(lambda k: _fit_until_converged(self.problem, self.sets[k]), keys)
+            for key, scored in zip(keys, found, strict=True):
+                if scored is not self.sets[key]:
+                    self.sets[key] = scored
+                    self.full.pop(key, None)
 
     def _max_log_odds_to_refit(self, key: frozenset[str]) -> float:
         """How much less probable than the best a set may be for its fit to be continued."""
@@ -127,3 +156,10 @@ class FittedCauseSets:
         if key not in self.full:
             self.full[key] = expand_likelihood(self.problem, scored.model)
         return self.full[key]
+
+
+def _fit_until_converged(problem: CauseSearchProblem, scored: ScoredCauseSet) -> ScoredCauseSet:
+    """A set whose noise, numbers and discrepancy are fitted in turn until none improves."""
+    model = fit_own_noise(problem, scored.model)
+    found = scored if model is scored.model else score_cause_set(problem, model)
+    return refit_with_discrepancy(problem, found, rounds=MAX_DISCREPANCY_ROUNDS)

@@ -12,9 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from ..integrate.batch import threaded_map
 from .candidates import Candidate
 from .collinear_terms import collinear_terms
 from .evidence import (
@@ -29,7 +31,7 @@ from .expansion import (
     one_step_strength_estimates,
     restricted_to_likeliest_forms,
 )
-from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FittedCauseSets
+from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FitRequest, FittedCauseSets
 from .own_noise import fit_own_noise, is_likelier_under_noise, noise_with_small_random_forces
 from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
 from .refit import FittedCauseSet, fit_cause_set, refit_from_fitted_values, strength_starts
@@ -112,16 +114,15 @@ def _verify_on_all_trials(problem: CauseSearchProblem, few: FittedCauseSets) -> 
     them with what these add.
     """
     visited = FittedCauseSets(replace(few.problem, series=problem.series))
-    for scored in (few.sets[frozenset()], *_sets_to_verify(few)):
-        visited.add(scored.causes, scored.model)
+    known = (few.sets[frozenset()], *_sets_to_verify(few))
+    visited.add_side_by_side([FitRequest(scored.causes, scored.model) for scored in known])
     visited.converge()
     done: set[frozenset[str]] = set()
     while (best := visited.best).model.key not in done:
         done.add(best.model.key)
         if len(best.causes) < problem.most_causes:
-            _fit_further_causes(visited, best, MIN_REFITS_PER_SET)
-        for cause in best.causes:
-            visited.add(tuple(c for c in best.causes if c != cause), best.model)
+            visited.add_side_by_side(_fits_of_further_causes(visited, best, MIN_REFITS_PER_SET))
+        visited.add_side_by_side([FitRequest(rest, best.model) for rest in _lacking_one(best)])
         visited.converge()
     return visited
 
@@ -156,18 +157,18 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
     while (best := visited.best).log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
         before = best.log_posterior
         if len(best.causes) < visited.problem.most_causes:
-            for fit_further in (_fit_further_causes, _fit_further_under_small_forces):
-                fit_further(visited, best)
+            for further in (_fits_of_further_causes, _fits_begun_under_small_forces):
+                visited.add_side_by_side(further(visited, best))
                 visited.converge()
                 if visited.best.log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
                     break
         if visited.best.log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
             continue
-        for cause in best.causes:
-            rest = tuple(c for c in best.causes if c != cause)
-            less = visited.add(rest, best.model, refit=True)
-            if less is not None:
-                _fit_further_causes(visited, less, REPLACEMENTS_PER_SET)
+        lacking = [FitRequest(rest, best.model, refit=True) for rest in _lacking_one(best)]
+        found = [less for less in visited.add_side_by_side(lacking) if less is not None]
+        visited.add_side_by_side([one for fits in threaded_map(
+            lambda less: _fits_of_further_causes(visited, less, REPLACEMENTS_PER_SET), found)
+            for one in fits])  # fmt: skip
         _fit_causes_in_place_of_residual_terms(visited, best)
         visited.converge()
         _refit_with_shared_noise(visited)
@@ -182,35 +183,42 @@ def _refit_with_shared_noise(visited: FittedCauseSets) -> None:
     """
     likeliest = max(visited.sets.values(), key=lambda s: s.model.log_likelihood)
     for source in {s.model.key: s for s in (visited.best, likeliest)}.values():
-        for key, scored in list(visited.sets.items()):
-            if key == source.model.key or len(key) > len(visited.best.causes):
-                continue
-            close = scored.log_posterior > visited.best.log_posterior - MAX_LOG_ODDS_TO_REFIT
-            if close or is_likelier_under_noise(visited.problem, scored.model, source.model.noise):
-                _keep_better_noise(visited, scored, source.model)
+        best = visited.best
+        least = best.log_posterior - MAX_LOG_ODDS_TO_REFIT
+        others = [one for key, one in visited.sets.items()
+                  if key != source.model.key and len(key) <= len(best.causes)]  # fmt: skip
+        refit = partial(_refit_from_noise, visited, source.model, least)
+        for one, other in zip(others, threaded_map(refit, others), strict=True):
+            if other is not None and other.log_joint > one.log_joint:
+                visited.sets[one.model.key] = other
+                visited.full.pop(one.model.key, None)
 
 
-def _keep_better_noise(
-    visited: FittedCauseSets, scored: ScoredCauseSet, source: FittedCauseSet
-) -> None:
-    """Keep the refit of a set from another's noise where that fits better."""
+def _refit_from_noise(
+    visited: FittedCauseSets, source: FittedCauseSet, least: float, scored: ScoredCauseSet
+) -> ScoredCauseSet | None:
+    """A set refitted from the noise of another one; None where its log posterior is below the least
+    and the trials are not likelier under that noise.
+    """
     problem, model = visited.problem, scored.model
-    left = visited.shared_discrepancy(source, model.key)
-    again = refit_from_fitted_values(
-        problem, model, source.noise, discrepancy=left or model.discrepancy
-    )
-    other = score_cause_set(problem, fit_own_noise(problem, again))
-    if other.log_joint > scored.log_joint:
-        visited.sets[scored.model.key] = other
-        visited.full.pop(scored.model.key, None)
+    if scored.log_posterior <= least and not is_likelier_under_noise(problem, model, source.noise):
+        return None
+    left = visited.shared_discrepancy(source, model.key) or model.discrepancy
+    again = refit_from_fitted_values(problem, model, source.noise, discrepancy=left)
+    return score_cause_set(problem, fit_own_noise(problem, again))
 
 
-def _fit_further_causes(
+def _lacking_one(scored: ScoredCauseSet) -> list[tuple[str, ...]]:
+    """The sets that lack one of a set's causes."""
+    return [tuple(c for c in scored.causes if c != cause) for cause in scored.causes]
+
+
+def _fits_of_further_causes(
     visited: FittedCauseSets, scored: ScoredCauseSet, count: int = REFITS_PER_SET
-) -> None:
-    """Fit the most promising further causes beside a set: `count` listed ones, and residual terms
-    besides, which are many and alike and would otherwise take the places of the listed cause that
-    they resemble.
+) -> list[FitRequest]:
+    """Fits of the most promising further causes beside a set: `count` listed ones, and residual
+    terms besides, which are many and alike and would otherwise take the places of the listed cause
+    that they resemble.
     """
     expansion = visited.expansion(scored)
     found = rank_further_causes(
@@ -218,19 +226,16 @@ def _fit_further_causes(
     )
     candidates = visited.problem.by_name
     several = [n for _, n in found if strength_starts(visited.problem, candidates[n])]
-    for name in several if not scored.causes else ():
-        visited.add((*scored.causes, name), scored.model)
+    out = [FitRequest((name,), scored.model) for name in several if not scored.causes]
     listed = [one for one in found if not candidates[one[1]].is_residual][:count]
     terms = [one for one in found if candidates[one[1]].is_residual][:MIN_REFITS_PER_SET]
     for i, (gain, name) in enumerate(sorted([*listed, *terms], key=lambda one: -one[0])):
         if gain > found[0][0] - MAX_LOG_ODDS_TO_PROPOSE and (
             i < MIN_REFITS_PER_SET or gain > MIN_LOG_ODDS_TO_REFIT
         ):
-            visited.add(
-                (*scored.causes, name),
-                scored.model,
-                _start_of_further_cause(visited, expansion, name),
-            )
+            start = _start_of_further_cause(visited.problem, expansion, name)
+            out.append(FitRequest((*scored.causes, name), scored.model, start))
+    return out
 
 
 def _fit_causes_in_place_of_residual_terms(
@@ -247,24 +252,28 @@ def _fit_causes_in_place_of_residual_terms(
     problem = visited.problem
     terms = [problem.by_name[c] for c in scored.causes if problem.by_name[c].is_residual]
     rest = tuple(c for c in scored.causes if not problem.by_name[c].is_residual)
-    less = visited.add(rest, scored.model, refit=True) if len(terms) > 1 else None
+    if len(terms) < 2:
+        return
+    less = visited.add(FitRequest(rest, scored.model, refit=True))
     if less is None:
         return
     expansion = visited.expansion(less)
     alike = [c for c in allowed_candidates(problem, rest)
              if not c.is_residual and any(c.sources & term.sources for term in terms)]  # fmt: skip
-    for _, name in rank_further_causes(problem, expansion, alike)[:REPLACEMENTS_PER_SET]:
-        start = _start_of_further_cause(visited, expansion, name)
-        found = visited.add((*rest, name), less.model, start)
-        if found is None:
-            continue
-        _fit_further_causes(visited, found, REPLACEMENTS_PER_SET)
-        for key in [k for k in visited.sets if k > found.model.key and len(k) == len(rest) + 2]:
-            visited.add(tuple(key), less.model, refit=True)
+    best = rank_further_causes(problem, expansion, alike)[:REPLACEMENTS_PER_SET]
+    alone = visited.add_side_by_side([
+        FitRequest((*rest, name), less.model, _start_of_further_cause(problem, expansion, name))
+        for _, name in best])  # fmt: skip
+    for found in (one for one in alone if one is not None):
+        visited.add_side_by_side(_fits_of_further_causes(visited, found, REPLACEMENTS_PER_SET))
+        both = [k for k in visited.sets if k > found.model.key and len(k) == len(rest) + 2]
+        visited.add_side_by_side([FitRequest(tuple(k), less.model, refit=True) for k in both])
 
 
-def _fit_further_under_small_forces(visited: FittedCauseSets, scored: ScoredCauseSet) -> None:
-    """Fit the most promising further causes by the expansion under small random forces, and begin
+def _fits_begun_under_small_forces(
+    visited: FittedCauseSets, scored: ScoredCauseSet
+) -> list[FitRequest]:
+    """Fits of the most promising further causes by the expansion under small random forces, begun
     there: what the random forces of a set explain by themselves shows no gain under its own noise.
     """
     problem = visited.problem
@@ -272,22 +281,16 @@ def _fit_further_under_small_forces(visited: FittedCauseSets, scored: ScoredCaus
         problem, scored.model, noise_with_small_random_forces(problem, scored.model.noise)
     )
     if not model.usable:
-        return
+        return []
     expansion = expand_likelihood(problem, model)
     found = rank_further_causes(problem, expansion, allowed_candidates(problem, scored.causes))
-    for _, name in found[:SMALL_FORCE_REFITS_PER_SET]:
-        visited.add(
-            (*scored.causes, name),
-            model,
-            _start_of_further_cause(visited, expansion, name),
-            refit=True,
-        )
+    return [FitRequest((*scored.causes, name), model,
+                       _start_of_further_cause(problem, expansion, name), refit=True)
+            for _, name in found[:SMALL_FORCE_REFITS_PER_SET]]  # fmt: skip
 
 
 def _start_of_further_cause(
-    visited: FittedCauseSets, expansion: LikelihoodExpansion, name: str
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, name: str
 ) -> dict[str, float]:
     """Where the fit of a further cause begins: at the strength and the form of the expansion."""
-    return one_step_strength_estimates(visited.problem, expansion, name) | expansion.starts.get(
-        name, {}
-    )
+    return one_step_strength_estimates(problem, expansion, name) | expansion.starts.get(name, {})

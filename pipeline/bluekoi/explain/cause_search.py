@@ -11,6 +11,7 @@ import numpy as np
 from ..data import Float
 from ..engine import (
     CauseSearchProblem,
+    FitRequest,
     FittedCauseSet,
     FittedCauseSets,
     NamedCause,
@@ -200,16 +201,15 @@ def _fit_compared_set(
     horizon_s: float,
 ) -> ComparedSet:
     """A set of causes, fitted from the baseline on where the search had no use for it."""
-    problem, best = ready.problem, visited.best
-    scored = visited.add(causes, visited.sets[frozenset()].model)
-    if scored is None:
+    problem = ready.problem
+    if (scored := visited.add(FitRequest(causes, visited.sets[frozenset()].model))) is None:
         return ComparedSet(causes, -np.inf, PREDICTION_ERRORS, (), {})
     scored = score_cause_set(problem, fit_own_noise(problem, scored.model))
     final = fit_without_discrepancy(problem, scored.model)
     ((criterion, errors),) = errors_by_better_criterion(
         ready.model, problem, [final], test, horizon_s
     )
-    return ComparedSet(causes, scored.log_posterior - best.log_posterior, criterion,
+    return ComparedSet(causes, scored.log_posterior - visited.best.log_posterior, criterion,
                     tuple(fitted_numbers(problem.kernel, final)), errors)  # fmt: skip
 
 

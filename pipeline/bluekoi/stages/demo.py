@@ -6,9 +6,12 @@ import json
 import tempfile
 from pathlib import Path
 
+import cv2
+
 from ..files import to_json_types, write_text
 from ..synthetic.campaign import render_trial, study_truth, trial_truth, write_study_files
 from ..synthetic.design import demo_design
+from ..synthetic.footage import render_frames
 from ..synthetic.trial import solve_trial
 
 STUDY_FILES = ("study.yaml", "trials.csv")
@@ -42,3 +45,10 @@ def demo(study: Path, results: Path, trial_id: str, *, threads: int = 1) -> None
     """Write videos/ID.mp4 and motor/ID.csv of one demo trial; its truth beside the study folder."""
     del results
     render_trial(demo_design(), trial_id, study, truth_folder(study), threads=threads)
+
+
+def preload() -> None:
+    """Render one frame, so that the pool, which is the same in all videos, is computed once."""
+    cv2.setNumThreads(1)  # a process with threads of OpenCV cannot be forked
+    design = demo_design()
+    next(render_frames(design, solve_trial(design, design.plans[0].trial_id)))

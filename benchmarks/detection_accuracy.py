@@ -156,7 +156,7 @@ def detect_trial(study: Study, trial: Trial, name: str) -> Keypoints:
     """Keypoints of a trial's footage by a source."""
     detector = source_module(name)
     recording = open_recording(study.paths(trial))
-    film = partial(frames, recording, colour=getattr(detector, "COLOUR", False))
+    film = partial(frames, recording, colour=getattr(detector, "NEEDS_COLOUR", False))
     setup = study.setup
     if name == "markers":
         detection = setup.detection.model_copy(update={"marker_hues_deg": MARKER_HUES})

@@ -9,10 +9,12 @@ from collections.abc import Iterator
 import pytest
 from test_footage import STEADY_TIMES, write_video
 
+from bluekoi.data import SeekableFilm
 from bluekoi.footage import frames, open_recording
 from bluekoi.footage.frame_reading import FrameSource
 from bluekoi.footage.prefetch import MIN_BUFFERED_ITEMS, Prefetcher
 from bluekoi.footage.recording import Recording
+from bluekoi.keypoints.outline.background import sample_frames
 
 
 class CountingSource:
@@ -84,6 +86,15 @@ def test_a_film_read_ahead_is_the_film(tmp_path):
     assert late == few
     again = [(frame.index, frame.time_s, int(frame.luma.sum())) for frame in film]
     assert again == plain
+
+
+def test_pictures_for_the_background_are_decoded_alone(tmp_path, monkeypatch):
+    """Run through for these, a recording was decoded twice or three times."""
+    film = frames(open_recording([write_video(tmp_path / "a.mp4", STEADY_TIMES)]))
+    assert isinstance(film, SeekableFilm)
+    few = [frame.time_s for frame in film.evenly_spaced(3)]
+    monkeypatch.setattr(FrameSource, "__iter__", lambda _: pytest.fail("run through"))
+    assert [frame.time_s for frame in sample_frames(film, 3)] == few
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,7 @@ from .types import (
     Keypoints,
     Pose,
     Positions,
+    SeekableFilm,
     SteadyState,
     Track,
 )

@@ -6,8 +6,10 @@ SI units and radians; frames of reference are named in `docs/conventions.md`.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +31,20 @@ class Frame:
     time_s: float
     luma: npt.NDArray[np.uint8]
     bgr: npt.NDArray[np.uint8] | None = None
+
+
+@runtime_checkable
+class SeekableFilm(Protocol):
+    """Frames of a recording that can be run through again, a few of them decoded alone."""
+
+    def __iter__(self) -> Iterator[Frame]:
+        """All frames, in order."""
+
+    def evenly_spaced(self, count: int) -> Iterator[Frame]:
+        """About `count` frames evenly spaced over the recording, decoded alone."""
+
+    def prefetched(self) -> AbstractContextManager[Iterator[Frame]]:
+        """All frames, decoded in the background from now on."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import BODY_PART_NAMES, Frame, Keypoints, is_confident
+from ..data import BODY_PART_NAMES, Frame, Keypoints, SeekableFilm, is_confident
 from ..errors import input_error
 from ..study import StudySettings, Trial
 from .midline import detection as midline
@@ -125,12 +125,11 @@ def _detect_bending_body(
 @contextmanager
 def _decode_in_background(film: Iterable[Frame]) -> Iterator[Iterable[Frame]]:
     """The film, decoded in the background where it can be, while the template is learned."""
-    prefetched = getattr(film, "prefetched", None)
-    if prefetched is None:
-        yield film
-    else:
-        with prefetched() as frames:
+    if isinstance(film, SeekableFilm):
+        with film.prefetched() as frames:
             yield frames
+    else:
+        yield film
 
 
 def _repeatable_frame_source(
@@ -138,7 +137,7 @@ def _repeatable_frame_source(
 ) -> Callable[[], Iterable[Frame]]:
     """`frames`, called once only if what it gives can be run through again and again."""
     first = frames()
-    return (lambda: first) if hasattr(first, "evenly_spaced") else frames
+    return (lambda: first) if isinstance(first, SeekableFilm) else frames
 
 
 def learned_scene(

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from ...data import Frame
+from ...data import Frame, SeekableFilm
 from ...vector_width import njit
 
 LumaPicture = npt.NDArray[np.uint8]
@@ -18,12 +18,11 @@ ROWS_PER_STRIP = 32
 def sample_frames(film: Iterable[Frame], count: int) -> list[Frame]:
     """About `count` frames spread over a film, their luma copied.
 
-    A film that can jump (`spread`) decodes those alone; another is run through once, keeping every
-    k-th frame and doubling k when there are too many.
+    A `SeekableFilm` decodes those alone; another one is run through once, keeping every k-th frame
+    and doubling k when there are too many.
     """
-    jump = getattr(film, "spread", None)
-    if jump is not None:
-        return [_with_copied_luma(frame) for frame in jump(count)]
+    if isinstance(film, SeekableFilm):
+        return [_with_copied_luma(frame) for frame in film.evenly_spaced(count)]
     kept: list[Frame] = []
     step = 1
     for i, frame in enumerate(film):

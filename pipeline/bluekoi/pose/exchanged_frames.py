@@ -35,7 +35,8 @@ def undo_head_tail_exchanges(
     A frame counts as exchanged where the rigid body fits its points in the reverse order, and is
     100 000 times less likely with the points as they are labelled (`FALSE_ALARM_PROBABILITY`). The
     lengths are the trial's own medians, so that fewer than half of its frames may be exchanged.
-    Points without a covariance get that of their part.
+    Covariances stay with their parts: that of a column of a keypoint file was measured mostly in
+    frames in which the part was in it. A part without one gets that of the point.
     """
     reverse = _reversed_parts(positions)
     labelled, turned = trusted_points(positions), trusted_points(reverse)
@@ -46,10 +47,11 @@ def undo_head_tail_exchanges(
     times = [[float(positions.time_s[k]) for k in run] for run in _runs(exchanged)]
     if not times:
         return positions, []
+    unknown = exchanged[:, None] & ~np.isfinite(positions.cov_m2).all(axis=(2, 3))
     return replace(
         positions,
         xy_m=np.where(exchanged[:, None, None], reverse.xy_m, positions.xy_m),
-        cov_m2=np.where(exchanged[:, None, None, None], reverse.cov_m2, positions.cov_m2),
+        cov_m2=np.where(unknown[..., None, None], reverse.cov_m2, positions.cov_m2),
         likelihood=np.where(exchanged[:, None], reverse.likelihood, positions.likelihood),
     ), times
 

@@ -1,4 +1,4 @@
-"""Trials that begin while the robot swims, from a generator that shares nothing with the tool."""
+"""The first frame: trials that begin while the robot swims, and trials that begin at rest."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 
 from bluekoi.camera import map_keypoints, pool_camera
+from bluekoi.data import Pose
 from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial
 from bluekoi.pose import rigid_pose
 from bluekoi.smoothing import smooth_pose
 from bluekoi.study import load_study
+from bluekoi.synthetic.design import demo_design
+from bluekoi.synthetic.trial import frame_truth, solve_trial
 from exact_motions import frame_times, gaining_speed, observed_pose
 from validation.generators.campus_pool import generate
 
@@ -62,3 +65,18 @@ def test_a_robot_that_gains_speed_in_the_first_frame_has_the_speed_of_that_frame
         errors.append(track.speed_m_s[0] - motion.speed[0])
     assert abs(np.mean(errors)) < 0.004
     assert np.sqrt(np.mean(np.square(errors))) < 0.005
+
+
+def test_a_quick_start_from_rest_is_no_motion_in_the_first_frame() -> None:
+    """The search of the noise ended at a poor optimum for a start from rest: one of these four
+    began at 0.15 rad/s, and two of them at more than 0.005 m/s.
+    """
+    truth = frame_truth(demo_design(), solve_trial(demo_design(), "T22"))
+    true = np.column_stack([truth["pose"], truth["head_angle_rad"]])
+    std = np.array([1e-4, 1e-4, 7e-4, 1.4e-3])
+    cov = np.tile(np.diag(std**2), (len(true), 1, 1))
+    for seed in range(4):
+        noise = std * np.random.default_rng(seed).standard_normal(true.shape)
+        track = smooth_pose(Pose(truth["time_s"], true + noise, cov), flap_hz=5.846)
+        assert abs(track.yaw_rate_rad_s[0]) < 0.01
+        assert track.speed_m_s[0] < 0.01

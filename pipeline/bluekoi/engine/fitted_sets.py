@@ -33,10 +33,6 @@ the final noise of that set. Left as it is, it has posterior odds below 1 / 3000
 probability by a fiftieth of its Monte Carlo error
 (`posterior.CAUSE_POSTERIOR_BOOTSTRAP_SAMPLES`)."""
 
-SETS_CONVERGED_SIDE_BY_SIDE = 2
-"""Which sets are fitted until they converge depends on this number, so that it is the same on all
-machines."""
-
 
 @dataclass(frozen=True)
 class FitRequest:
@@ -69,6 +65,12 @@ class FittedCauseSets:
         """The most probable set."""
         return max(self.sets.values(), key=lambda s: s.log_posterior)
 
+    def keep(self, scored: ScoredCauseSet) -> None:
+        """Replace the fit of a set, and forget the expansion about the one before."""
+        if scored is not self.sets.get(scored.model.key):
+            self.sets[scored.model.key] = scored
+            self.full.pop(scored.model.key, None)
+
     def add(self, wanted: FitRequest) -> ScoredCauseSet | None:
         """Fit a set under its own noise and keep it where it fits better than before.
 
@@ -88,8 +90,7 @@ class FittedCauseSets:
         for one, found in zip(due, threaded_map(self._fitted, due), strict=True):
             before = self.sets.get(one.key)
             if found is not None and (before is None or found.log_joint > before.log_joint):
-                self.sets[one.key] = found
-                self.full.pop(one.key, None)
+                self.keep(found)
                 self.converged.discard(one.key)
         return [self.sets.get(one.key) for one in wanted]
 
@@ -129,19 +130,19 @@ class FittedCauseSets:
         return {label: v for label, v in near.discrepancy.items() if label in covered}
 
     def converge(self) -> None:
-        """Fit noise and numbers of the probable sets until they no longer improve."""
+        """Fit noise and numbers of the probable sets until they no longer improve: of the most
+        probable one first, since it decides which others are; then of these side by side.
+        """
         while todo := [
             k for k, s in self.sets.items() if k not in self.converged
             and s.log_posterior > self.best.log_posterior - self._max_log_odds_to_refit(k)
         ]:  # fmt: skip
-            todo.sort(key=lambda k: -self.sets[k].log_posterior)
-            keys = todo[:SETS_CONVERGED_SIDE_BY_SIDE]
+            best = self.best.model.key
+            keys = [best] if best in todo else todo
             self.converged.update(keys)
-            found = threaded_map(lambda k: _fit_until_converged(self.problem, self.sets[k]), keys)
-            for key, scored in zip(keys, found, strict=True):
-                if scored is not self.sets[key]:
-                    self.sets[key] = scored
-                    self.full.pop(key, None)
+            for found in threaded_map(lambda k: _fit_until_converged(self.problem, self.sets[k]),
+                                      keys):  # fmt: skip
+                self.keep(found)
 
     def _max_log_odds_to_refit(self, key: frozenset[str]) -> float:
         """How much less probable than the best a set may be for its fit to be continued."""

@@ -190,8 +190,7 @@ def _refit_with_shared_noise(visited: FittedCauseSets) -> None:
         refit = partial(_refit_from_noise, visited, source.model, least)
         for one, other in zip(others, threaded_map(refit, others), strict=True):
             if other is not None and other.log_joint > one.log_joint:
-                visited.sets[one.model.key] = other
-                visited.full.pop(one.model.key, None)
+                visited.keep(other)
 
 
 def _refit_from_noise(

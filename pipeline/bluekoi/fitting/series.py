@@ -76,8 +76,7 @@ class Noise:
     correlation times [s]. scale (observations,): factor on the stated standard deviation of each
     observation. trial_effects: errors that are constant within a trial and differ between trials.
     least_scale: lower bound of estimates of `scale`, 1 if the stated deviations are those of the
-    instrument. fixed_scales: indices of the observations whose `scale` is
-    not estimated.
+    instrument. fixed_scales: indices of the observations whose `scale` is not estimated.
     """
 
     disturbance: Float

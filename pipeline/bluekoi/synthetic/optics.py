@@ -12,7 +12,7 @@ import numpy as np
 Matrix3 = tuple[tuple[float, float, float], ...]
 
 SURFACE_CROSSING_TOLERANCE = 1e-12
-"""Relative error at which Newton steps end: a hundredth of a pixel is 1e-5 of a picture."""
+"""Newton steps end with one of this relative size: the next one would be a rounding error."""
 
 
 @dataclass(frozen=True)

@@ -349,6 +349,14 @@ def test_a_file_that_changes_while_the_run_works_is_named(workflow):
     assert manifest["changed_during_run"] == ["trials.csv"]
 
 
+def test_files_that_the_run_itself_makes_are_not_named_as_changed(workflow):
+    results = workflow.root / "results/study"
+    record_file_states(load_study(workflow.study), results, made_by_run=True)
+    edit_trials_csv(workflow.study, T10={"head_length_m": "0.1212"})
+    outcome(workflow.study, results)
+    assert json.loads((results / "manifest.json").read_text())["changed_during_run"] == []
+
+
 @pytest.mark.long
 def test_a_result_that_was_deleted_comes_back(workflow):
     track = workflow.root / "results/study/tracks/T10.csv"

@@ -47,7 +47,6 @@ def fit_process_noise(
     first: BoolNDArray,
     spread: Float,
     starts: Sequence[Float],
-    more_starts: Sequence[Float] = (),
     rounds: int = 4,
 ) -> FittedMotionModel:
     """Model whose noise has the greatest posterior, outliers rejected.
@@ -60,18 +59,13 @@ def fit_process_noise(
 
     build: model for logarithms of the noise (m,). seen: (n,) measured at all; first: (n,) used in
     the first round. starts: logarithms to search from, the best end counts: motions disturbed in
-    their rate and in their acceleration are separate minima. more_starts: tried where the search
-    ended at a measurement noise much larger than stated, which hides any motion.
+    their rate and in their acceleration are separate minima.
     """
     used, places = first, starts
     gate = outlier_gate(build(starts[0]).z.shape[1])
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
         ends = [_minimise_noise_cost(build, used, limit, place, spread) for place in places]
-        if min(ends, key=lambda end: end[1])[0][-1] > 2 * spread[-1]:
-            ends += [
-                _minimise_noise_cost(build, used, limit, place, spread) for place in more_starts
-            ]
         logs = min(ends, key=lambda end: end[1])[0]
         places = [logs]
         model = build(logs)

@@ -26,12 +26,13 @@ UNIT_NOISE_SIGMAS = 2.0
 """Unit of process noise: the density that moves a rate by so many standard errors over a trial. A
 larger unit overstates the deviations of a steady motion, a smaller one understates those of a
 hardly disturbed one."""
-LOG_START_NOISES, LOG_START_ONSET_FACTOR, LOG_START_RECOIL_NOISE = (14.0, 20.0), 3.0, 5.0
-"""Logs of the noise of rate and acceleration, of the factor on the latter at the onset, and of the
-recoil, from which the search starts: so large that no motion looks like an outlier. From below, the
-search may end at a measurement noise that explains everything, or a quick start."""
 MAX_RELATIVE_DENSITIES = 0.3, 7.0
-"""Largest density of the rate, in speed^2 / T, and of the acceleration, in (speed / T)^2 / T."""
+"""Largest density of the rate, in speed^2 / T, and of the acceleration, in (speed / T)^2 / T. The
+search starts there: no motion looks like an outlier. From below, it may end at a measurement noise
+that explains everything, or a quick start."""
+LOG_START_ONSET_FACTOR, LOG_START_RECOIL_NOISE = 3.0, 5.0
+"""Logs of the factor on the acceleration's noise at the onset, and of the noise of the recoil, from
+which the search starts."""
 MAX_LOG_NOISE_RATIO_COLOURED = -0.4
 """Below this log of white over stated noise, part of the error may be coloured."""
 MIN_LR_STATISTIC_COLOURED_NOISE = 10.0
@@ -190,13 +191,12 @@ def _fit_motion_model(
     )
     T = grid.scale_s
     largest = np.log(np.array(MAX_RELATIVE_DENSITIES) * data.speed**2 / [T, T**3] / units[1:3])
-    starts = _starting_log_noise(m, recoils, np.array(LOG_START_NOISES))
+    starts = _starting_log_noise(m, recoils, np.maximum(largest, 0.0))
     common: dict[str, Any] = {"first": data.plausible, "spread": spread}
     found = fit_process_noise(
         build,
         data.seen,
         starts=starts if near is None else [near.white_noise_logs, *starts],
-        more_starts=_starting_log_noise(m, recoils, np.maximum(largest, LOG_START_NOISES)),
         **common,
     )
     other, least_gain = (

@@ -21,9 +21,12 @@ RUN_ENVIRONMENT_VARIABLE = "BLUEKOI_RUN"
 """Environment variable with the run's command, settings and code, as json."""
 
 
-def record_file_states(study: Study, results: Path) -> None:
-    """Keep size and date of each file of a study as a run begins."""
-    write_json(_file_record_at_start_path(results), _file_sizes_and_times(study))
+def record_file_states(study: Study, results: Path, *, made_by_run: bool = False) -> None:
+    """Keep size and date of each file of a study as a run begins; none where the run itself makes
+    them, as those of the demo.
+    """
+    states = {} if made_by_run else _file_sizes_and_times(study)
+    write_json(_file_record_at_start_path(results), states)
 
 
 def write_manifest(study: Path, results: Path) -> list[str]:

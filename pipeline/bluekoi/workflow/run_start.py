@@ -57,7 +57,7 @@ def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
         (plan.results / "outcome.json").unlink(missing_ok=True)  # the stage that writes both
     remove_stale_locks(Path(".snakemake") / "locks", plan.results)
     remove_temporary_files(plan.results)
-    record_file_states(plan.study, plan.results)
+    record_file_states(plan.study, plan.results, made_by_run=plan.is_demo)
     plan.remove_due_markers()
     remove_outdated_results(plan)
     remove_results_of_other_trials(plan)

@@ -54,6 +54,18 @@ def test_a_video_of_one_frame_is_named_and_not_its_motor_log(study, log):
     assert finding.expected.startswith("8 at least, 0.27 s at 30 frames/s")
 
 
+def test_a_start_outside_of_the_pictures_is_named_with_their_size(study):
+    size = load_study(study).setup.camera.image_size_px
+    pictures = [np.full((size[1], size[0], 3), grey, np.uint8) for grey in range(90, 102)]
+    encode_h264(study / "T10.mp4", pictures, fps=30, size=size)
+    start = {"start_x_px": "5000", "start_y_px": "10"}
+    edit_trials_csv(study, T10={"source": "T10.mp4", "fps": "", "motor_log": "", **start})
+    finding = only_finding(study)
+    assert finding.where == "trial T10, start_x_px, start_y_px"
+    assert finding.found == "(5000, 10)"
+    assert finding.expected.endswith(f"{size[0]} x {size[1]}")
+
+
 @pytest.mark.parametrize(
     ("cells", "words"),
     [

@@ -65,8 +65,8 @@ def stored_luma(image: np.ndarray) -> np.ndarray:
     return 16 + image.astype(float) * 219 / 255
 
 
-def frame_numbers(recording) -> list[int]:
-    grey = [(float(np.median(frame.luma)) - 16) * 255 / 219 for frame in frames(recording)]
+def frame_numbers(film) -> list[int]:
+    grey = [(float(np.median(frame.luma)) - 16) * 255 / 219 for frame in film]
     return [round((value - 40) / 4) for value in grey]
 
 
@@ -79,7 +79,7 @@ def test_timestamps_are_those_of_the_container(tmp_path):
     assert recording.nominal_fps == pytest.approx(30000 / 1001)
     assert recording.frames_declared == recording.frames_present == 24
     np.testing.assert_allclose(times, np.arange(24) * 1001 / 30000, atol=1e-9)
-    assert frame_numbers(recording) == list(range(24))
+    assert frame_numbers(frames(recording)) == list(range(24))
 
 
 def test_variable_rate_keeps_each_frames_own_time(tmp_path):
@@ -203,6 +203,31 @@ def test_spread_gives_a_few_frames_from_everywhere(tmp_path):
     )
 
 
+def test_more_frames_are_taken_where_more_can_be_decoded_alone(tmp_path):
+    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY_TIMES)])
+    assert len(list(evenly_spaced_frames(recording, 3, at_most=4))) == 4
+    assert len(list(evenly_spaced_frames(recording, 3, at_most=9))) == 5  # key frames
+    assert len(list(evenly_spaced_frames(recording, 2))) == 2
+
+
+@pytest.mark.parametrize(("start_s", "end_s"), [(None, 0.25), (0.3, 0.55), (0.6, None)])
+def test_a_few_frames_of_a_part_with_few_key_frames_are_spread_over_it(tmp_path, start_s, end_s):
+    path = write_video(tmp_path / "a.mp4", STEADY_TIMES)
+    part = open_recording([path], start_s=start_s, end_s=end_s)
+    times = [frame.time_s for frame in evenly_spaced_frames(part, 4)]
+    whole = [frame.time_s for frame in frames(part)]
+    assert len(times) == 4
+    assert (times[0], times[-1]) == (whole[0], pytest.approx(whole[-1], abs=2 / 30))
+
+
+def test_a_few_frames_of_a_part_lie_in_it_where_fps_replaces_the_rate_of_the_file(tmp_path):
+    path = write_video(tmp_path / "a.mp4", STEADY_TIMES)
+    half_speed = open_recording([path], fps=15000 / 1001, start_s=0.6)
+    few = frame_numbers(evenly_spaced_frames(half_speed, 3))
+    assert len(few) == 3
+    assert set(few) <= set(frame_numbers(frames(half_speed)))
+
+
 @pytest.mark.parametrize("codec", ["libx264", "libx265", "mpeg4"])
 def test_reordered_pictures_come_in_their_order(tmp_path, codec):
     """Files are opened without decoding, which must not cost the decoder its sense of order."""
@@ -217,7 +242,7 @@ def test_reordered_pictures_come_in_their_order(tmp_path, codec):
                 stream.encode(av.VideoFrame.from_ndarray(numbered_picture(number), format="gray"))
             )
         out.mux(stream.encode(None))
-    assert frame_numbers(open_recording([path])) == list(range(24))
+    assert frame_numbers(frames(open_recording([path]))) == list(range(24))
 
 
 def test_the_first_of_a_few_frames_is_the_first_picture(tmp_path):

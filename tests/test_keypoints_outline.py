@@ -8,6 +8,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
+from scipy.special import ndtr
 from test_keypoints_silhouette import STRAIGHT, setup_of_design, trial_of_plan
 
 from bluekoi.camera import pool_camera, pool_to_pixels
@@ -22,6 +23,7 @@ from bluekoi.keypoints.outline.background import (
 from bluekoi.keypoints.outline.edges import edge_offset
 from bluekoi.keypoints.outline.ghost_removal import _write_unhidden_median
 from bluekoi.keypoints.outline.plane import swimming_plane_map
+from bluekoi.keypoints.outline.stations import ACROSS_EDGE_PX, edge_blur_px
 from bluekoi.keypoints.outline.tail_detection import tail_length
 from bluekoi.keypoints.outline.template import (
     initial_template,
@@ -90,7 +92,15 @@ def nose_picture(centre: np.ndarray, angle: float, exponent: float) -> np.ndarra
     return np.round(fine.reshape(60, 10, 60, 10).mean(axis=(1, 3))).astype(np.uint8)
 
 
-@pytest.mark.parametrize(("exponent", "within"), [(1.0, 0.07), (1.6, 0.04), (2.0, 0.07)])
+@pytest.mark.parametrize("sigma_px", [0.5, 0.7, 1.0])
+def test_the_blur_is_read_from_the_coverage_across_an_edge(sigma_px):
+    rng = np.random.default_rng(8)
+    places = ACROSS_EDGE_PX[:, None] - rng.normal(0.0, 0.02, 200)
+    covered = 0.04 + 0.93 * ndtr(-places / sigma_px) + rng.normal(0.0, 0.05, places.shape)
+    assert edge_blur_px(covered) == pytest.approx(sigma_px, rel=0.1)
+
+
+@pytest.mark.parametrize(("exponent", "within"), [(1.0, 0.03), (1.6, 0.03), (2.0, 0.03)])
 def test_a_nose_is_seen_as_far_back_as_its_template_says(exponent, within):
     rng, offsets = np.random.default_rng(3), []
     for _ in range(40):
@@ -99,9 +109,10 @@ def test_a_nose_is_seen_as_far_back_as_its_template_says(exponent, within):
         place = (*centre, np.cos(angle), np.sin(angle))
         floor = np.full_like(luma, 180)
         offsets.append(edge_offset((luma, floor), place, 60.0, np.empty((2, 17)))[0])
-    side = np.hypot(10.0 - 1.5, 4.0)
-    angles, radii = np.array([0.0, np.arctan2(4.0, 8.5)]), np.array([10.0, side])
-    assert np.mean(offsets) == pytest.approx(-nose_loss_by_blur(angles, radii, 0.5), abs=within)
+    aside = np.array([0.0, 4.0, 8.0])
+    ahead = 10.0 - 1.5 * (aside / 4.0) ** exponent
+    loss = nose_loss_by_blur(np.arctan2(aside, ahead), np.hypot(ahead, aside), 0.5)
+    assert np.mean(offsets) == pytest.approx(-loss, abs=within)
 
 
 def test_plane_agrees_with_independent_optics():

@@ -139,10 +139,36 @@ def test_detection_does_not_depend_on_the_metric_scale_that_a_study_declares(bod
         np.testing.assert_allclose(getattr(found, name), getattr(usual, name), rtol=1e-9)
 
 
+def over_itself_turned_by_half_a_turn(film):
+    """Two dark bodies of one shape."""
+    return [replace(f, luma=np.minimum(f.luma, f.luma[::-1, ::-1])) for f in film]
+
+
+@pytest.mark.parametrize("part", [0, 2])
+@pytest.mark.parametrize("turned", [False, True])
+def test_of_two_robots_that_at_the_stated_start_is_followed(part, turned):
+    film, setup, trial, truth = rendered_trial("middle", LEFT, seconds=1.2)
+    both = over_itself_turned_by_half_a_turn(film)
+    meant = np.array(film[0].luma.shape[::-1]) - 1 - truth if turned else truth
+    u, v = meant[0, part]
+    found = silhouette.detect_keypoints(
+        lambda: both, setup, trial.model_copy(update={"start_x_px": u, "start_y_px": v})
+    )
+    assert np.nanmax(keypoint_errors(found, meant)[:, :3]) < 5.0
+
+
+def test_a_start_where_no_robot_lies_finds_none_and_says_so():
+    film, setup, trial, _ = rendered_trial("middle", LEFT, seconds=1.2)
+    found = silhouette.detect_keypoints(
+        lambda: film, setup, trial.model_copy(update={"start_x_px": 3.0, "start_y_px": 3.0})
+    )
+    assert not np.isfinite(found.xy_px).any()
+    assert any("no body like the robot lies at start_x_px 3" in text for text in found.remarks)
+
+
 def test_a_second_robot_in_the_picture_is_reported():
-    """The film laid over itself turned by half a turn: two dark bodies of one shape."""
     film, setup, trial, truth = rendered_trial("middle", LEFT)
-    both = [replace(f, luma=np.minimum(f.luma, f.luma[::-1, ::-1])) for f in film]
+    both = over_itself_turned_by_half_a_turn(film)
     found = silhouette.detect_keypoints(lambda: both, setup, trial)
     assert sum("second body of the robot's shape" in remark for remark in found.remarks) == 1
     turned = np.array(film[0].luma.shape[::-1]) - 1 - truth

@@ -1,5 +1,6 @@
 """The types that flow between the stages, each with its reader and writer.
 
+frame_sampling: a few frames of a film, evenly spaced
 types: frames, keypoints, positions, pose, track, flapping, steady state; frozen and checked
 columns: numeric columns as csv
 quality: which points and frames count, how many samples count as one
@@ -7,6 +8,7 @@ motion: poses/ID.csv and tracks/ID.csv
 """
 
 from .csv_columns import read_columns, write_columns
+from .frame_sampling import evenly_spaced_of, with_copied_luma
 from .keypoint_quality import (
     MIN_KEYPOINT_LIKELIHOOD,
     MIN_POSE_FRAMES,

@@ -40,8 +40,10 @@ class SeekableFilm(Protocol):
     def __iter__(self) -> Iterator[Frame]:
         """All frames, in order."""
 
-    def evenly_spaced(self, count: int) -> Iterator[Frame]:
-        """About `count` frames evenly spaced over the recording, decoded alone."""
+    def evenly_spaced(self, count: int, at_most: int = 0) -> Iterator[Frame]:
+        """About `count` frames evenly spaced over the recording, decoded alone; up to `at_most`
+        where no others have to be decoded for these.
+        """
 
     def prefetched(self) -> AbstractContextManager[Iterator[Frame]]:
         """All frames, decoded in the background from now on."""

@@ -11,7 +11,7 @@ import av
 import av.error
 import numpy as np
 
-from ..data import Frame
+from ..data import Frame, evenly_spaced_of
 from .image_recording import image_frames
 from .luma_planes import Luma, luma_plane
 from .prefetch import MIN_BUFFERED_ITEMS, Prefetcher
@@ -54,9 +54,11 @@ class FrameSource:
         room = int(PREFETCH_BYTES / (BYTES_PER_PIXEL * width * height))
         return Prefetcher(iter(self), max(MIN_BUFFERED_ITEMS, min(room, MAX_BUFFERED_FRAMES)))
 
-    def evenly_spaced(self, count: int) -> Iterator[Frame]:
-        """About `count` frames evenly spaced over the recording's part, decoded alone."""
-        return evenly_spaced_frames(self.recording, count, self._open)
+    def evenly_spaced(self, count: int, at_most: int = 0) -> Iterator[Frame]:
+        """About `count` frames evenly spaced over the recording's part, decoded alone; up to
+        `at_most` where no others have to be decoded for these.
+        """
+        return evenly_spaced_frames(self.recording, count, at_most=at_most, ready=self._open)
 
 
 def frames(
@@ -90,36 +92,33 @@ def _iterate_frames(
 
 
 def evenly_spaced_frames(
-    recording: Recording, count: int, ready: dict[int, Any] | None = None
+    recording: Recording,
+    count: int,
+    *,
+    at_most: int = 0,
+    ready: dict[int, Any] | None = None,
 ) -> Iterator[Frame]:
     """About `count` frames evenly spaced over the recording's part, decoded alone.
 
     Only key frames are decoded, all cores at once: a background needs a few pictures, not all.
-    Of a recording with fewer key frames than that, every k-th frame of all.
+    Where there are more, up to `at_most` are taken. Of a recording with fewer key frames than
+    `count`, some of all, each of which is decoded.
     """
     if recording.codec == IMAGES_CODEC:
-        yield from image_frames(recording, colour=False, count=count)
+        yield from image_frames(recording, colour=False, count=max(count, at_most))
         return
     ready = {} if ready is None else ready
     keys = [(i, key) for i, stamps in enumerate(recording.key_stamps) for key in stamps]
     keys = [(i, key) for i, key in keys if _lies_in_wanted_part(recording, i, key)]
     if len(keys) < count:
-        yield from _every_nth_image(recording, count)
+        yield from evenly_spaced_of(_iterate_frames(recording, False, {}), count)
         return
-    chosen = [keys[j] for j in np.linspace(0, len(keys) - 1, max(1, count)).round().astype(int)]
+    wanted = max(1, count, min(at_most, len(keys)))
+    chosen = [keys[j] for j in np.linspace(0, len(keys) - 1, wanted).round().astype(int)]
     for i in range(len(recording.paths)):
         stamps = [key for chapter, key in chosen if chapter == i]
         if stamps:
             yield from _decode_key_frames(recording, i, stamps, ready)
-
-
-def _every_nth_image(recording: Recording, count: int) -> Iterator[Frame]:
-    step = max(1, recording.frames_present // max(1, count))
-    return (
-        frame
-        for i, frame in enumerate(_iterate_frames(recording, False, {}))
-        if i % step == step // 2
-    )
 
 
 def _bgr_from_picture(picture: Any, recording: Recording, size: Size | None) -> Luma:
@@ -176,10 +175,12 @@ def _demux_packets(container: Any, stream: Any) -> Iterator[Any]:
 
 
 def _lies_in_wanted_part(recording: Recording, i: int, stamp: int) -> bool:
-    """Whether a key frame lies in the wanted part; all do where the rate is not the file's own."""
+    """Whether a key frame lies in the wanted part."""
     time_s = stamp * recording.time_base_s + recording.offset_s[i]
+    if recording.fps is not None:  # the file's own clock does not count
+        time_s *= recording.nominal_fps / recording.fps
     end = np.inf if recording.end_s is None else recording.end_s
-    return recording.fps is not None or (recording.start_s or 0.0) <= time_s <= end
+    return (recording.start_s or 0.0) <= time_s <= end
 
 
 def _decode_key_frames(

@@ -20,7 +20,7 @@ from .outline.absence import robot_not_found_reason
 from .outline.background import median_image, noise_level, sample_frames, without_static_robot
 from .outline.camera_motion import camera_motion_remarks
 from .outline.ghost_removal import background_without_robot
-from .outline.learning import LearnedTemplate, learn_template
+from .outline.learning import LearnedTemplate, learn_template, relearned_template
 from .outline.plane import SwimmingPlaneMap, in_body_lengths, swimming_plane_map
 from .outline.second_body import second_body_remark
 from .outline.template import robot_length_bl
@@ -30,7 +30,9 @@ from .outline.tracking import DetectionScene, OutlineFit, track_robot
 USES_STATED_LENGTHS = True
 """Keypoints lie at the robot's lengths of study.yaml: their distances measure nothing. What is
 measured is the whole length (`Keypoints.length_seen`)."""
-SCENE_SAMPLE_FRAME_COUNTS = (5, 15)
+SCENE_SAMPLE_FRAME_COUNTS, MAX_KEY_FRAMES_SAMPLED = (5, 15), 10
+"""Frames from which background and outline are learned: at least 5, up to 10 where the video has so
+many key frames; 15 where these do not do. The outline's error is that of a mean over them."""
 GOOD_SUPPORT = 0.9
 MIN_SUPPORT_SCORE = 0.6
 MIN_SCENE_SUPPORT_SHARE = 0.4
@@ -52,7 +54,7 @@ def detect_keypoints(
     """
     plane = swimming_plane_map(setup)
     again = _repeatable_frame_source(frames)
-    samples = sample_frames(again(), SCENE_SAMPLE_FRAME_COUNTS[0])
+    samples = sample_frames(again(), SCENE_SAMPLE_FRAME_COUNTS[0], MAX_KEY_FRAMES_SAMPLED)
     if not samples:
         raise input_error(trial.source, "", "no frames", "footage with frames")
     if setup.detection.body == "bending":
@@ -86,10 +88,21 @@ def _detect_rigid_body(
             return _empty_keypoints(
                 times, (*remarks, _no_robot_remark(samples, plane, setup, trial))
             )
-        times, fits = track_robot(film, scene, outline.template)
+        times, fits = track_robot(film, scene, outline.template, trial.start_px)
     if not times:
         raise input_error(trial.source, "", "no frames", "frames between start_s and end_s")
-    remarks = (*remarks, *second_body_remark(outline, scene), *_missing_frames_remark(times, fits))
+    second = second_body_remark(
+        outline,
+        scene,
+        robot_length_bl(setup.robot, trial),
+        start_is_known=trial.start_px is not None,
+    )
+    remarks = (
+        *remarks,
+        *second,
+        *_missing_frames_remark(times, fits),
+        *_no_robot_at_start_remark(fits, trial),
+    )
     return keypoints_from_fits(times, fits, scene, outline.template, remarks)
 
 
@@ -187,20 +200,27 @@ def _scene_and_template(
     scene = DetectionScene(floor, plane, noise_level(images, floor), trial.head_angle_rad)
     outline = learn_template(samples, scene, setup.robot, trial)
     for _ in range(BACKGROUND_ROUNDS):
-        free = (
-            background_without_robot(outline, scene)
-            if outline and outline.support > MIN_SCENE_SUPPORT_SHARE
-            else None
-        )
+        if outline is None or outline.support <= MIN_SCENE_SUPPORT_SHARE:
+            break
+        free = background_without_robot(outline, scene)
         if free is None:
             break
         scene = replace(scene, floor=free)
-        outline = learn_template(samples, scene, setup.robot, trial) or outline
+        outline = relearned_template(outline, samples, scene, setup.robot, trial)
     return scene, outline
 
 
 def _support_score(outline: LearnedTemplate | None) -> float:
     return 0.0 if outline is None else outline.support_score
+
+
+def _no_robot_at_start_remark(fits: Sequence[OutlineFit | None], trial: Trial) -> tuple[str, ...]:
+    """A remark where the place at which the robot is said to start shows none."""
+    if trial.start_px is None or any(fits):
+        return ()
+    u, v = trial.start_px
+    text = f"no body like the robot lies at start_x_px {u:g}, start_y_px {v:g} in the first frames"
+    return (text,)
 
 
 def _missing_frames_remark(

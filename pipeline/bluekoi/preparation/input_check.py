@@ -140,6 +140,7 @@ def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
         setup_in_recording_pixels(
             study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})"
         )
+        _check_start_in_picture(study, trial, film.size_px)
         end_s = trial.end_s or film.duration_s
         check_frame_count(study, trial, film.frames_in_part, film.fps or film.nominal_fps)
     if (log := study.motor_path(trial)) is not None:
@@ -170,6 +171,22 @@ def _check_stated_frequency(study: Study, trial: Trial, log_hz: float) -> None:
             study.root / "trials.csv", f"trial {trial.trial_id}, flap_hz", f"{trial.flap_hz:g}",
             f"{log_hz:.3g} Hz, as {trial.motor_log} has it",
             "Leave flap_hz empty where there is a log; is the log this trial's?",
+        )  # fmt: skip
+
+
+def _check_start_in_picture(study: Study, trial: Trial, size_px: tuple[int, int]) -> None:
+    """Nothing where the stated start of the robot lies in its pictures.
+
+    Raises: InputError with the place and the size of the pictures.
+    """
+    if trial.start_px is None:
+        return
+    (u, v), (width, height) = trial.start_px, size_px
+    if u >= width or v >= height:
+        raise input_error(
+            study.root / "trials.csv", f"trial {trial.trial_id}, start_x_px, start_y_px",
+            f"({u:g}, {v:g})", f"a pixel of the pictures of {width} x {height}",
+            "Read the place off the first frame used.",
         )  # fmt: skip
 
 

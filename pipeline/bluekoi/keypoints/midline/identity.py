@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..outline.intended_body import MAX_SEARCH_RADIUS_LENGTHS
 from .midline_fit import BendingTemplate, midline
 from .track import BodyFitHistory, MidlineFit
 
 SAME_BODY_DISTANCE_LENGTHS, CONFUSION_DISTANCE_LENGTHS = 0.12, 1.5
-MAX_SEARCH_RADIUS_LENGTHS = 2.5
 MIN_VISIBLE_SHARE, MIN_SAME_SCORE, MAX_TURN_RAD, MAX_MOVE_LENGTHS = 0.5, 0.55, 0.8, 0.4
 """A body is well seen if a share of more than `MIN_VISIBLE_SHARE` is seen and its score is above
 `MIN_SAME_SCORE`. It jumps if it turns or moves more than this between two frames.

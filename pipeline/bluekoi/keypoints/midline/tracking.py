@@ -14,9 +14,9 @@ import numpy as np
 
 from ...data import Float, Frame
 from ..outline.background import LumaPicture
+from ..outline.intended_body import START_TOLERANCE_LENGTHS, search_radius_lengths
 from .blobs import BackgroundModel, Blob, ReducedImage, candidate_poses, find_blobs, reduced_image
 from .identity import (
-    MAX_SEARCH_RADIUS_LENGTHS,
     body_distance,
     record_doubtful_jump,
     record_possible_exchange,
@@ -27,12 +27,11 @@ from .track import LOST_AFTER_FRAMES, BodyFitHistory, MidlineFit
 
 MIN_SUPPORT, MAX_SCORE_DROP = 0.5, 0.05
 TURN_COST_PER_RAD, MOVE_COST_PER_LENGTH = 0.1, 0.1
-SEARCH_RADIUS_LENGTHS, SEARCH_RADIUS_GROWTH_LENGTHS = 0.8, 0.25
 TOUCHING_BODIES_DISTANCE_LENGTHS = 1.3
 """Distance within which two bodies may touch; each is fitted again with the other one masked."""
 OTHER_BODIES_TRACKED_WITHIN_LENGTHS = 4.0
 """Distance from the target within which other bodies are followed too."""
-START_HEADINGS, START_TOLERANCE_LENGTHS = 16, 0.12
+START_HEADINGS = 16
 MIN_MASKED_COVERAGE = 0.15
 MIN_NEW_TRACK_SCORE = 0.7
 
@@ -165,13 +164,7 @@ def _fit_body(
     body, expected, last = bodies[k], places[k], bodies[k].last()
     if expected is None or last is None:
         return None
-    reach = (
-        min(
-            SEARCH_RADIUS_LENGTHS + SEARCH_RADIUS_GROWTH_LENGTHS * body.frames_since_seen,
-            MAX_SEARCH_RADIUS_LENGTHS,
-        )
-        * arena.length_px
-    )
+    reach = search_radius_lengths(body.frames_since_seen) * arena.length_px
     middle = arena.plane.pixels(expected[None, :2])[0]
     picture = reduced_image(luma, arena, middle, reach + 0.5 * arena.length_px)
     near = _neighbour_poses(k, places, shape)

@@ -8,35 +8,22 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from ...data import Frame, SeekableFilm
+from ...data import Frame, SeekableFilm, evenly_spaced_of, with_copied_luma
 from ...vector_width import njit
 
 LumaPicture = npt.NDArray[np.uint8]
 ROWS_PER_STRIP = 32
 
 
-def sample_frames(film: Iterable[Frame], count: int) -> list[Frame]:
-    """About `count` frames spread over a film, their luma copied.
+def sample_frames(film: Iterable[Frame], count: int, at_most: int = 0) -> list[Frame]:
+    """About `count` frames spread over a film, up to `at_most` where these cost no more; their luma
+    copied.
 
-    A `SeekableFilm` decodes those alone; another one is run through once, keeping every k-th frame
-    and doubling k when there are too many.
+    A `SeekableFilm` decodes those alone; another one is run through once.
     """
     if isinstance(film, SeekableFilm):
-        return [_with_copied_luma(frame) for frame in film.evenly_spaced(count)]
-    kept: list[Frame] = []
-    step = 1
-    for i, frame in enumerate(film):
-        if i % step:
-            continue
-        kept.append(_with_copied_luma(frame))
-        if len(kept) > 2 * count:
-            kept, step = kept[::2], step * 2
-    places = np.unique(np.linspace(0, len(kept) - 1, min(count, len(kept))).round().astype(int))
-    return [kept[i] for i in places] if kept else []
-
-
-def _with_copied_luma(frame: Frame) -> Frame:
-    return Frame(frame.index, frame.time_s, np.array(frame.luma))
+        return [with_copied_luma(frame) for frame in film.evenly_spaced(count, at_most)]
+    return evenly_spaced_of(film, max(count, at_most))
 
 
 def median_image(images: Sequence[LumaPicture]) -> LumaPicture:

@@ -11,7 +11,7 @@ import numpy as np
 from ...data import Float, Frame
 from ...study import Robot, Trial
 from .blob_detection import Blob, candidate_poses, find_blobs
-from .stations import measure_stations, without_biased_stations
+from .stations import measure_stations, picture_blur_px, without_biased_stations
 from .template import OutlineTemplate, initial_template, robot_length_bl, with_learned_outline
 from .tracking import (
     DetectionScene,
@@ -22,10 +22,9 @@ from .tracking import (
 )
 
 SEARCH_LENGTHS_BL = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
+SETTLING_STEPS = 3
+"""Last of these steps, with which a template settles that was learned in nearly the same scene."""
 AREA_PER_LENGTH_SQUARED = 0.16
-PICTURE_BLUR_PX = 0.5
-"""Least rms blur of what is read from a picture: variance 1/12 of a pixel's width, and 1/6, on
-average, of linear interpolation between pixels."""
 GOOD_SUPPORT = 0.9
 MIN_BEND_RAD = 0.15
 START_OFFSETS_BL = ((0.0,), (-0.09, 0.0, 0.09), (-0.15, -0.075, 0.0, 0.075, 0.15))
@@ -33,15 +32,11 @@ START_OFFSETS_BL = ((0.0,), (-0.09, 0.0, 0.09), (-0.15, -0.075, 0.0, 0.075, 0.15
 
 @dataclass(frozen=True)
 class LearnedTemplate:
-    """A learned template, the frames it was learned from with their fits, how well it fits them.
-
-    blobs: what differs from the background in each of these frames.
-    """
+    """A learned template, the frames it was learned from with their fits, how well it fits them."""
 
     template: OutlineTemplate
     samples: tuple[tuple[Frame, OutlineFit], ...]
     support: float
-    blobs: tuple[Sequence[Blob], ...] = ()
 
     @property
     def frames(self) -> int:
@@ -63,8 +58,8 @@ def learn_template(
     does not settle, look for the robot again with the width, grey level and core learned, all
     along each blob, and learn from the frames that agree best. The best outline counts.
     """
-    area = AREA_PER_LENGTH_SQUARED * robot_length_bl(robot, trial) ** 2
-    seen = [(f, find_blobs((f.luma, scene.floor), scene.plane, scene.noise, area)) for f in samples]
+    length_bl = robot_length_bl(robot, trial)
+    seen = [(f, robot_sized_blobs(f, scene, length_bl)) for f in samples]
     first = _template_from_blobs(seen, robot, trial)
     if first is None:
         return None
@@ -87,11 +82,32 @@ def learn_template(
             break
     if not candidates:
         return None
-    outline, at = (
-        max(candidates, key=lambda one: one.support_score),
-        {f.time_s: found for f, found in seen},
-    )
-    return replace(outline, blobs=tuple(at[f.time_s] for f, _ in outline.samples))
+    return max(candidates, key=lambda one: one.support_score)
+
+
+def relearned_template(
+    outline: LearnedTemplate,
+    samples: Sequence[Frame],
+    scene: DetectionScene,
+    robot: Robot,
+    trial: Trial,
+) -> LearnedTemplate:
+    """Template learned again, in a scene that changed little: from the fits that it has, where they
+    are good; else from the samples. The old one where nothing is found.
+    """
+    if outline.support > GOOD_SUPPORT:
+        again = _refine_template(
+            list(outline.samples), scene, outline.template, SEARCH_LENGTHS_BL[-SETTLING_STEPS:]
+        )
+        if again.support > GOOD_SUPPORT:
+            return again
+    return learn_template(samples, scene, robot, trial) or outline
+
+
+def robot_sized_blobs(frame: Frame, scene: DetectionScene, length_bl: float) -> list[Blob]:
+    """What differs from the background in a frame, of the size of a robot of this length."""
+    area = AREA_PER_LENGTH_SQUARED * length_bl**2
+    return find_blobs((frame.luma, scene.floor), scene.plane, scene.noise, area)
 
 
 def generic_template(template: OutlineTemplate, robot: Robot, trial: Trial) -> OutlineTemplate:
@@ -110,11 +126,14 @@ def _fits_with_above_median_support(
 
 
 def _refine_template(
-    starts: list[tuple[Frame, OutlineFit]], scene: DetectionScene, template: OutlineTemplate
+    starts: list[tuple[Frame, OutlineFit]],
+    scene: DetectionScene,
+    template: OutlineTemplate,
+    lengths_bl: Sequence[float] = SEARCH_LENGTHS_BL,
 ) -> LearnedTemplate:
-    """LearnedTemplate of fits that start where the robot roughly is."""
+    """LearnedTemplate of fits that start where the robot is, to the greatest of the lengths."""
     fits = starts
-    for size in SEARCH_LENGTHS_BL:
+    for size in lengths_bl:
         shape = template.shape()
         reach = search_ranges_px(scene, size, size, size)
         bend = _common_head_angle_rad(fits, scene)
@@ -134,9 +153,8 @@ def _refine_template(
         ]
         kept = _fits_with_near_best_support(fits)
         seen = measure_stations(kept, scene, template, int(reach[-1]))
-        template = with_learned_outline(
-            template, *seen, blur_bl=PICTURE_BLUR_PX / scene.plane.px_per_bl
-        )
+        blur_bl = picture_blur_px(kept, scene, template, seen[0]) / scene.plane.px_per_bl
+        template = with_learned_outline(template, *seen, blur_bl=blur_bl)
     shape = template.shape()
     last = [
         fit_template_to_frame(f.luma, scene, shape, one.pose, search_ranges_px(scene, 0.024, 0.024))

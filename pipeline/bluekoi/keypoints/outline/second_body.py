@@ -7,19 +7,25 @@ from collections.abc import Sequence
 
 from .background import LumaPicture
 from .blob_detection import Blob
-from .learning import LearnedTemplate
+from .intended_body import IntendedBody
+from .learning import LearnedTemplate, robot_sized_blobs
 from .template import OutlineTemplate
 from .tracking import DetectionScene, OutlineFit, best_fit_of_blobs
 
 MIN_FRAMES = 2
 
 
-def second_body_remark(outline: LearnedTemplate, scene: DetectionScene) -> tuple[str, ...]:
-    """A remark where some pictures that the outline was learned from show it at a second place."""
-    pictures = zip(outline.samples, outline.blobs, strict=True)
+def second_body_remark(
+    outline: LearnedTemplate, scene: DetectionScene, length_bl: float, *, start_is_known: bool
+) -> tuple[str, ...]:
+    """A remark where some pictures that the outline was learned from show it at a second place.
+
+    length_bl: of the robot. start_is_known: it was stated which body is meant.
+    """
+    pictures = [(f, one, robot_sized_blobs(f, scene, length_bl)) for f, one in outline.samples]
     found = [
         (frame.time_s, second)
-        for (frame, one), seen in pictures
+        for frame, one, seen in pictures
         if (second := _fit_second_body(frame.luma, seen, scene, outline.template, one))
     ]
     if len(found) < MIN_FRAMES:
@@ -27,7 +33,12 @@ def second_body_remark(outline: LearnedTemplate, scene: DetectionScene) -> tuple
     time_s, (u, v) = found[0][0], scene.plane.pixels(found[0][1].pose[None, :2])[0].tolist()
     return (
         f"a second body of the robot's shape in {len(found)} of {outline.frames} pictures "
-        f"looked at (at {time_s:.2f} s near pixel {u:.0f}, {v:.0f}): the path may be of either",
+        f"looked at (at {time_s:.2f} s near pixel {u:.0f}, {v:.0f}): the path "
+        + (
+            "is of the one that began at start_x_px, start_y_px"
+            if start_is_known
+            else "may be of either; give start_x_px and start_y_px in trials.csv"
+        ),
     )
 
 
@@ -41,7 +52,7 @@ def _fit_second_body(
     """A good fit to a blob that lies a body's length from the robot."""
     apart = template.head_bl + template.core_bl
     others = [blob for blob in seen if _distance_bl(blob, one) > apart]
-    return best_fit_of_blobs(others, luma, scene, template, template.shape())
+    return best_fit_of_blobs(others, luma, scene, IntendedBody(template, None), template.shape())
 
 
 def _distance_bl(blob: Blob, one: OutlineFit) -> float:

@@ -1,4 +1,4 @@
-"""What the learning frames show at each station of the outline: offsets, grey levels, odd ones."""
+"""What the learning frames show of the outline: offsets, grey levels, blur, stations at odds."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import ndtr
 
 from ...data import Float, Frame
-from .edges import interpolate_where
+from .edges import MIN_CONTRAST_GREY_LEVELS, LumaPicture, interpolate_where
 from .pose_fit import OutlineArrays, measure_edge_offsets
 from .template import (
     CORE_STATION_COUNT,
+    HEAD_PART,
     HEAD_STATION_COUNT,
     OutlineTemplate,
     nan_median,
@@ -19,7 +21,15 @@ from .template import (
 )
 from .tracking import DetectionScene, OutlineFit
 
-INSIDE_DEPTHS_PX = (2.5, 4.5)
+INSIDE_DEPTHS_PX = np.array([2.5, 4.5])
+LEAST_BLUR_PX = 0.5
+"""Least rms blur of what is read from a picture: variance 1/12 of a pixel's width, and 1/6, on
+average, of linear interpolation between pixels."""
+ACROSS_EDGE_PX, EDGE_END_SAMPLES = np.arange(-5.0, 5.5, 0.5), 4
+"""Places across an edge, outwards, at which its blur is read, and how many of them at either end
+show the body and the floor alone."""
+MIN_SIDE_NORMAL = 0.95
+"""Sides of the head: the normal's least share across its axis (18 degrees)."""
 MAX_SMEARING_SHARE = 0.04
 MIN_SAMPLES = 16
 MIN_BIAS_PX, MIN_BIAS_RATIO, MAX_BIASED_SHARE = 0.15, 6.0, 0.15
@@ -42,8 +52,8 @@ def measure_stations(
         found, slope = measure_edge_offsets(pictures, scene.maps, shape, one.pose, reach)
         scale = np.hypot(slope[:, 0], slope[:, 1])
         offsets[row, visible] = found / scale
-        greys[:, row, visible] = _grey_levels_inside_edge(
-            frame, scene, shape, (one.pose, found / scale)
+        greys[:, row, visible] = _sample_across_edge(
+            frame.luma, scene, shape, (one.pose, found / scale), INSIDE_DEPTHS_PX
         )
     return offsets, _body_grey_levels(
         greys, float(np.median(scene.floor[::MIN_SAMPLES, ::MIN_SAMPLES]))
@@ -62,24 +72,70 @@ def _body_grey_levels(greys: Float, floor: float) -> Float:
     return np.where(smeared, greys[1], greys[0])
 
 
-def _grey_levels_inside_edge(
-    frame: Frame, scene: DetectionScene, shape: OutlineArrays, at: tuple[Float, Float]
+def picture_blur_px(
+    fits: Sequence[tuple[Frame, OutlineFit]],
+    scene: DetectionScene,
+    template: OutlineTemplate,
+    offsets_bl: Float,
+) -> float:
+    """Blur (rms) across the sides of the head, of the picture and of its reading, px.
+
+    Half the way over which the median coverage of the sides' edges falls from 0.84 to 0.16: of a
+    Gaussian blur, its standard deviation. Along the head the motion of an exposure blurs as well,
+    which moves no edge on the way.
+
+    offsets_bl: (frames, stations) found by `measure_stations` with this template.
+    """
+    points, normals, part, skin = template.shape()
+    side = (part == HEAD_PART) & (np.abs(normals[:, 1]) > MIN_SIDE_NORMAL)
+    shape, skin = (points[side], normals[side], part[side], skin[side]), skin[side]
+    covered = []
+    for (frame, one), offset in zip(
+        fits, offsets_bl[:, template.visible_stations()][:, side], strict=True
+    ):
+        at = one.pose, offset
+        seen, clear = (
+            _sample_across_edge(image, scene, shape, at, -ACROSS_EDGE_PX)
+            for image in (frame.luma, scene.floor)
+        )
+        depth = np.where(np.abs(clear - skin) > MIN_CONTRAST_GREY_LEVELS, clear - skin, np.nan)
+        covered.append((clear - seen) / depth)
+    return float(np.fmax(LEAST_BLUR_PX, edge_blur_px(np.concatenate(covered, axis=1))))
+
+
+def edge_blur_px(covered: Float) -> float:
+    """Standard deviation [px] of the blur of edges from their coverage (places, edges); NaN where
+    none is seen.
+    """
+    profile = nan_median(covered.T)
+    inside, outside = profile[:EDGE_END_SAMPLES].mean(), profile[-EDGE_END_SAMPLES:].mean()
+    fall = np.minimum.accumulate((profile - outside) / (inside - outside))
+    first, last = np.interp([-ndtr(1.0), -ndtr(-1.0)], -fall, ACROSS_EDGE_PX)
+    return float(last - first) / 2
+
+
+def _sample_across_edge(
+    image: LumaPicture,
+    scene: DetectionScene,
+    shape: OutlineArrays,
+    at: tuple[Float, Float],
+    depths_px: Float,
 ) -> Float:
-    """Grey levels (depths, n) inside the edge found at each point, NaN where none was found.
+    """Grey levels (depths, n) so far inside the edge found at each point, NaN where none was found.
 
     at: pose (4,), offsets (n,) [body lengths].
     """
     points, normals, part, _ = shape
     pose, offset_bl = at
-    angle = np.where(part == 0, pose[2] - pose[3], pose[2])
-    depth = np.nan_to_num(offset_bl) - np.array(INSIDE_DEPTHS_PX)[:, None] / scene.plane.px_per_bl
+    angle = np.where(part == HEAD_PART, pose[2] - pose[3], pose[2])
+    depth = np.nan_to_num(offset_bl) - depths_px[:, None] / scene.plane.px_per_bl
     place = points + normals * depth[..., None]
     turned = (place[..., 0] + 1j * place[..., 1]) * np.exp(1j * angle) + complex(*pose[:2])
     uv = scene.plane.pixels(np.column_stack([turned.real.ravel(), turned.imag.ravel()]))
-    height, width = frame.luma.shape
+    height, width = image.shape
     ok = (uv > 1).all(axis=1) & (uv[:, 0] < width - 3) & (uv[:, 1] < height - 3)
-    ok &= np.isfinite(np.tile(offset_bl, len(INSIDE_DEPTHS_PX)))
-    return interpolate_where(frame.luma, uv, ok).reshape(len(INSIDE_DEPTHS_PX), -1)
+    ok &= np.isfinite(np.tile(offset_bl, len(depths_px)))
+    return interpolate_where(image, uv, ok).reshape(len(depths_px), -1)
 
 
 def without_biased_stations(template: OutlineTemplate, offsets_px: Float) -> OutlineTemplate:

@@ -245,12 +245,12 @@ def _move_nose_to_head_length(template: OutlineTemplate, radii: Float, blur_bl: 
 def nose_loss_by_blur(angles: Float, radii: Float, blur_bl: float) -> float:
     """How far behind the nose its edge is seen in a picture of a blur (rms).
 
-    Across the axis the blur takes the mean of the outline x(y). Between the nose and the next
-    station, a way `back` behind it and `aside`, the outline is neither blunter than a parabola, of
-    which blur takes back (blur / aside)^2, nor sharper than a corner, of which it takes
-    back sqrt(2 / pi) blur / aside: the loss is their mean.
+    Across the axis the blur takes the mean of the outline x(y). Near the nose that is a power of
+    the way y aside, through the next two stations, no blunter than a parabola and no sharper than
+    a corner: x = -a |y|^p with the mean -a blur^p E|z|^p for a normal z.
     """
-    aside = radii[1] * np.sin(angles[1])
-    back = max(radii[0] - radii[1] * np.cos(angles[1]), 0.0)
-    share = blur_bl / aside
-    return float(0.5 * back * (share**2 + math.sqrt(2.0 / math.pi) * share))
+    aside = radii[1:3] * np.sin(angles[1:3])
+    back = np.maximum(radii[0] - radii[1:3] * np.cos(angles[1:3]), 1e-9)
+    p = float(np.clip(np.log(back[1] / back[0]) / np.log(aside[1] / aside[0]), 1.0, 2.0))
+    moment = 2 ** (p / 2) * math.gamma((p + 1) / 2) / math.sqrt(math.pi)
+    return float(back[0] * moment * (blur_bl / aside[0]) ** p)

@@ -13,6 +13,7 @@ from ...data import Float, Frame
 from .background import LumaPicture
 from .blob_detection import Blob, candidate_poses, find_blobs
 from .edges import EDGE_WINDOW_HALF_WIDTH_PX
+from .intended_body import IntendedBody
 from .plane import SwimmingPlaneMap
 from .pose_fit import OutlineArrays, fit_outline_pose, information_and_edge_support
 from .tail_detection import tail_length, trace_tail
@@ -114,29 +115,32 @@ def fit_template_to_frame(
 
 
 def redetect_robot(
-    frame: LumaPicture, scene: DetectionScene, template: OutlineTemplate, shape: OutlineArrays
+    frame: LumaPicture, scene: DetectionScene, body: IntendedBody, shape: OutlineArrays
 ) -> OutlineFit | None:
-    """The best fit to any blob of a frame, either way round; None where none is good enough."""
-    seen = find_blobs((frame, scene.floor), scene.plane, scene.noise, template.area_bl2)
-    return best_fit_of_blobs(seen, frame, scene, template, shape)
+    """The best fit to any blob of a frame that may be the body; None where none is good enough."""
+    seen = find_blobs((frame, scene.floor), scene.plane, scene.noise, body.template.area_bl2)
+    return best_fit_of_blobs(seen, frame, scene, body, shape)
 
 
 def best_fit_of_blobs(
     seen: Sequence[Blob],
     frame: LumaPicture,
     scene: DetectionScene,
-    template: OutlineTemplate,
+    body: IntendedBody,
     shape: OutlineArrays,
 ) -> OutlineFit | None:
-    """The best fit to any of these blobs, either way round; None where none is good enough."""
+    """The best fit to any of these blobs that may be the body, either way round; None where none is
+    good enough.
+    """
     steps = search_ranges_px(scene, 0.066, 0.054, 0.042, 0.030, 0.024, 0.024)
     starts = [
         pose
         for blob in seen
-        if is_plausible_blob(blob, template)
-        for pose in candidate_poses(blob, template, scene.head_angle_rad)
+        if is_plausible_blob(blob, body.template)
+        for pose in candidate_poses(blob, body.template, scene.head_angle_rad)
     ]
     tried = [fit_template_to_frame(frame, scene, shape, start, steps) for start in starts]
+    tried = [one for one in tried if body.may_be(one.pose)]
     best = max(tried, key=lambda one: one.support[2], default=None)
     return best if best is not None and is_good_fit(best, scene) else None
 
@@ -159,9 +163,19 @@ def is_good_fit(one: OutlineFit, scene: DetectionScene) -> bool:
 
 
 def track_robot(
-    film: Iterable[Frame], scene: DetectionScene, template: OutlineTemplate
+    film: Iterable[Frame],
+    scene: DetectionScene,
+    template: OutlineTemplate,
+    start_px: tuple[float, float] | None = None,
 ) -> tuple[list[float], list[OutlineFit | None]]:
-    """Times and fits of all frames; None where the robot was not found."""
+    """Times and fits of all frames; None where the robot was not found.
+
+    start_px: where the robot is in the first frame, if other bodies like it may be there.
+    """
+    place = (
+        None if start_px is None else scene.plane.pixels_to_body_lengths(np.array([start_px]))[0]
+    )
+    body = IntendedBody(template, place)
     shape = template.shape()
     known = covariance_kernels(
         *template.turned(scene.head_angle_rad), template.head_bl + template.core_bl
@@ -178,7 +192,8 @@ def track_robot(
             else fit_template_to_frame(frame.luma, scene, shape, start, steps, known=asked)
         )
         if one is None or not is_good_fit(one, scene):
-            one = redetect_robot(frame.luma, scene, template, shape)
+            one = redetect_robot(frame.luma, scene, body, shape)
+        body.record(None if one is None else one.pose)
         times.append(frame.time_s)
         fits.append(None if one is None else with_traced_tail(frame.luma, scene, template, one))
     return times, fits

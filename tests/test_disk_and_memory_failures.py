@@ -8,12 +8,15 @@ import resource
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from bluekoi.errors import InputError
 from bluekoi.files import write_text
+from bluekoi.preparation.draft import read_draft
+from bluekoi.preparation.draft_saving import save_draft
 from bluekoi.stages.status import run_with_status
 from bluekoi.workflow.plan import make_plan
 from bluekoi.workflow.provenance import source_files
@@ -108,6 +111,18 @@ def test_results_that_are_read_only_are_reported_at_the_door(study, mounted, mon
     assert done.returncode == 1
     assert "Read-only file system" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_a_study_in_a_read_only_folder_is_not_saved_and_says_so(mounted):
+    disk = mounted("1m")
+    new = read_draft(disk)
+    (disk / "lab").mkdir()
+    (disk / "lab/study.yaml").write_text("pool:\n  length_m: 2.6\n", encoding="utf-8")
+    saved = read_draft(disk / "lab")
+    subprocess.run(["mount", "-o", "remount,ro", str(disk)], check=True)
+    for draft, folder in ((new, disk), (replace(saved, values={}), disk / "lab")):
+        with pytest.raises(InputError, match=r"Read-only file system.*nothing was saved"):
+            save_draft(draft, folder)
 
 
 def test_want_of_memory_is_a_word_on_the_trial_and_stops_nothing_else(tmp_path):

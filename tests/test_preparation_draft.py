@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
+import os
 from dataclasses import replace
 
 import pytest
 
 from bluekoi.errors import InputError
-from bluekoi.preparation.draft import read_draft, save_draft
+from bluekoi.preparation.draft import read_draft
 from bluekoi.preparation.draft_check import draft_findings, draft_study
+from bluekoi.preparation.draft_saving import save_draft
 from bluekoi.study import load_study
 
 COMMENTED_YAML = """# pool in the cellar
@@ -99,6 +102,79 @@ def test_a_file_changed_by_others_is_not_overwritten(folder):
     assert (folder / "study.yaml").read_text() == COMMENTED_YAML
 
 
+def test_a_draft_that_names_no_revision_does_not_replace_a_study(folder):
+    with pytest.raises(InputError, match=r"does not say which revision.*Reload the page"):
+        save_draft(replace(read_draft(folder), values={}, rows=[], revision=""), folder)
+    assert (folder / "study.yaml").read_text() == COMMENTED_YAML
+    assert (folder / "trials.csv").read_text() == TRIALS_CSV
+
+
+def test_a_study_folder_that_was_deleted_is_not_made_again(tmp_path):
+    folder = tmp_path / "lab"
+    folder.mkdir()
+    draft = read_draft(folder)
+    folder.rmdir()
+    for revision in (draft.revision, ""):
+        with pytest.raises(InputError, match=r"lab: found no such folder.*moved or deleted"):
+            save_draft(replace(draft, revision=revision), folder)
+    assert not folder.exists()
+
+
+def test_unknown_keys_and_columns_are_refused_by_name(folder):
+    draft = read_draft(folder)
+    unknown = {**draft.values, "robot.mas_kg": "1", "pool": "{length_m: 2}"}
+    rows = [{**draft.rows[0], "powr_pct": "50"}]
+    with pytest.raises(InputError) as refused:
+        save_draft(replace(draft, values=unknown, rows=rows), folder)
+    named = [(finding.file, finding.where) for finding in refused.value.findings]
+    assert named == [("study.yaml", "robot.mas_kg"), ("study.yaml", "pool"),
+                     ("trials.csv", "powr_pct")]  # fmt: skip
+    assert "Did you mean 'robot.mass_kg'? Nothing was saved." in str(refused.value)
+    assert (folder / "study.yaml").read_text() == COMMENTED_YAML
+
+
+def test_unknown_names_that_the_files_have_already_can_be_saved(folder):
+    (folder / "trials.csv").write_text(TRIALS_CSV.replace("fps", "note"), encoding="utf-8")
+    (folder / "study.yaml").write_text(
+        COMMENTED_YAML.replace("mass_kg", "mas_kg"), encoding="utf-8"
+    )
+    save_draft(with_study_values(read_draft(folder), robot__mas_kg="0.7"), folder)
+    assert "  mas_kg: 0.7\n" in (folder / "study.yaml").read_text()
+
+
+def test_nothing_is_saved_where_no_copy_can_be_kept(folder):
+    (folder / ".backup").write_text("a file", encoding="utf-8")
+    draft = with_study_values(read_draft(folder), pool__length_m="2.5")
+    with pytest.raises(InputError, match=r"\.backup: found 'File exists' on copying study\.yaml"):
+        save_draft(draft, folder)
+    assert (folder / "study.yaml").read_text() == COMMENTED_YAML
+
+
+@pytest.mark.parametrize("broken", ["study.yaml", "trials.csv"])
+@pytest.mark.parametrize("is_new", [False, True])
+def test_both_files_are_saved_or_neither(folder, monkeypatch, broken, is_new):
+    texts = (COMMENTED_YAML, TRIALS_CSV)
+    draft = with_study_values(read_draft(folder), pool__length_m="2.5")
+    draft = replace(draft, rows=[{**draft.rows[0], "power_pct": "60"}])
+    if is_new:
+        for name in ("study.yaml", "trials.csv"):
+            (folder / name).unlink()
+        draft, texts = replace(draft, revision=""), (None, None)
+    replaced = os.replace
+
+    def refuse(source, target):
+        if target.name == broken:
+            raise PermissionError(1, "Operation not permitted")
+        replaced(source, target)
+
+    monkeypatch.setattr("bluekoi.files.os.replace", refuse)
+    with pytest.raises(InputError, match=f"{broken}.*not permitted.*nothing was saved"):
+        save_draft(draft, folder)
+    found = [folder / name for name in ("study.yaml", "trials.csv")]
+    assert tuple(path.read_text() if path.exists() else None for path in found) == texts
+    assert not list(folder.glob(".study*")) + list(folder.glob(".trials*"))
+
+
 def test_a_file_that_cannot_be_read_is_refused_and_left(folder):
     for name, text in (("study.yaml", "pool: [1\n"), ("trials.csv", "a,a\n1,2\n")):
         before = (folder / name).read_text()
@@ -180,3 +256,70 @@ def test_a_key_that_stood_there_as_a_comment_is_set_below_its_own_explanation(tm
     assert lines[at - 1].startswith("  # Width and height of the calibration images")
     assert "  # matrix:" in lines
     assert sum("image_size_px" in line for line in lines) == 1
+
+
+@pytest.mark.parametrize(
+    "key",
+    ["pool__length_m", "pool__width_m", "water__density_kg_m3", "robot__mass_kg",
+     "robot__keypoint_depth_m", "camera__pool_corners_px", "camera__pool_corners_height_m"],
+)  # fmt: skip
+def test_a_deleted_value_takes_no_comment_with_it(folder, key):
+    name = key.replace("__", ".")
+    saved, _ = save_draft(with_study_values(read_draft(folder), **{key: ""}), folder)
+    text = (folder / "study.yaml").read_text()
+    assert name not in saved.values
+    for comment in ("# measured twice", "# the short side", "# tap water", "# end of the robot",
+                    "# under the lamp", "# at the rim"):  # fmt: skip
+        assert comment in text, comment
+
+
+def test_all_values_of_a_section_are_deleted_and_its_comments_stay(folder):
+    gone = ("pool__length_m", "pool__width_m", "pool__depth_m", "water__density_kg_m3",
+            "water__refractive_index")  # fmt: skip
+    save_draft(with_study_values(read_draft(folder), **dict.fromkeys(gone, "")), folder)
+    assert (
+        (folder / "study.yaml")
+        .read_text()
+        .startswith(
+            "# pool in the cellar\n  # measured twice\n  # the short side\n# tap water\nrobot:\n"
+        )
+    )
+
+
+WIDE_YAML = """pool:
+    length_m:   2.6
+    width_m:    1.6
+    depth_m:    0.3   # in the middle
+
+water: {density_kg_m3: 998.0,  refractive_index: 1.333}
+camera:
+    matrix: [[1140,0,960],
+             [0,1140,540],
+             [0,0,1]]
+    pool_corners_px:
+      - [255.3,939.7]
+      - [1607.7,946.4]
+      - [1623.7,115.9]
+      - [256.2,93.7]
+"""
+
+
+@pytest.mark.parametrize("text", [COMMENTED_YAML, WIDE_YAML])
+@pytest.mark.parametrize(
+    ("key", "value", "lines"),
+    [
+        ("pool__length_m", "2.5", ["-", "+"]),
+        ("pool__width_m", "", ["-"]),
+        ("camera__image_size_px", "[1920, 1080]", ["+"]),
+        ("robot__mass_kg", "0.5", ["-", "+"]),
+        ("detection__source", "markers", ["+", "+"]),
+    ],
+)
+def test_what_was_not_changed_keeps_its_formatting(folder, text, key, value, lines):
+    if text == WIDE_YAML and key == "robot__mass_kg":
+        lines = ["+", "+"]
+    (folder / "study.yaml").write_text(text, encoding="utf-8")
+    save_draft(with_study_values(read_draft(folder), **{key: value}), folder)
+    after = (folder / "study.yaml").read_text()
+    marks = [line[0] for line in difflib.ndiff(text.splitlines(), after.splitlines())]
+    assert [mark for mark in marks if mark in "+-"] == lines

@@ -12,6 +12,7 @@ from bluekoi.preparation.prefill import (
     prefilled_trial_rows,
     study_files,
     trials_csv,
+    usable_study_files,
 )
 from bluekoi.study.study_yaml import read_study_settings
 from bluekoi.study.trials_csv import read_trials
@@ -109,3 +110,11 @@ def test_a_folder_of_many_pictures_is_a_recording_and_one_of_few_is_not(tmp_path
     found = study_files(make_folder(tmp_path, names))
     assert found.pictures == ("T1/",)
     assert [(r["trial_id"], r["source"]) for r in prefilled_trial_rows(found)] == [("T1", "T1/")]
+
+
+def test_a_recording_that_trials_csv_cannot_name_is_left_out_with_a_note(tmp_path):
+    files, notes = usable_study_files(make_folder(tmp_path, ["x;y.mp4", "z.mp4", "l;og.csv"]))
+    assert (files.videos, files.motor_logs) == (("z.mp4",), ("l;og.csv",))
+    assert notes == (
+        "x;y.mp4 is left out: ';' separates the files of one recording in trials.csv. Rename it.",
+    )

@@ -7,6 +7,7 @@ import json
 import subprocess
 import threading
 import time
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import cv2
@@ -46,20 +47,46 @@ def study_folder(tmp_path_factory):
     return made
 
 
+@contextmanager
+def serving(folder):
+    """A server at work on a study folder."""
+    words = ["python", "-c", "print('[1/2] tracks'); print('[2/2] report')"]
+    made = SetupServer(folder, folder / "out", words)
+
+    def serve():
+        with suppress(OSError):  # it is closed by another thread
+            made.serve()
+
+    thread = threading.Thread(target=serve, daemon=True)
+    thread.start()
+    try:
+        yield made
+    finally:
+        made.close()
+        thread.join(10)
+
+
 @pytest.fixture(scope="module")
 def server(study_folder):
-    words = ["python", "-c", "print('[1/2] tracks'); print('[2/2] report')"]
-    made = SetupServer(study_folder, study_folder / "out", words)
-    thread = threading.Thread(target=made.serve, daemon=True)
-    thread.start()
-    yield made
-    made.close()
-    thread.join(10)
+    with serving(study_folder) as made:
+        yield made
+
+
+@pytest.fixture
+def server_of_new_study(tmp_path):
+    with serving(tmp_path) as made:
+        yield made
 
 
 def send_request(server, name, content=None, *, headers=None, path=None):
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
     body = None if content is None else json.dumps(content)
+    status, kind, data = send_body(server, name, body, headers=headers, path=path)
+    return status, json.loads(data) if kind.startswith("application/json") else data
+
+
+def send_body(server, name, body, *, headers=None, path=None):
+    """Status, content type and body of an answer, which no browser may take for another type."""
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
     given = {"Content-Type": "application/json"} if body else {}
     connection.request(
         "GET" if body is None else "POST", path or f"/{server.token}/{name}", body,
@@ -68,8 +95,10 @@ def send_request(server, name, content=None, *, headers=None, path=None):
     answer = connection.getresponse()
     data = answer.read()
     connection.close()
-    kind = answer.getheader("Content-Type", "")
-    return answer.status, json.loads(data) if kind.startswith("application/json") else data
+    if answer.status >= 400:
+        assert answer.getheader("X-Content-Type-Options") == "nosniff"
+        assert answer.getheader("Cache-Control") == "no-store"
+    return answer.status, answer.getheader("Content-Type", ""), data
 
 
 @pytest.mark.parametrize(
@@ -234,13 +263,129 @@ def test_saved_checked_run_and_followed(server, study_folder):
     assert not state["report"]
 
 
-@pytest.mark.parametrize("body", ["[]", "{", "nonsense"])
-def test_a_broken_request_ends_in_words(server, body):
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
-    connection.request("POST", f"/{server.token}/check", body,
-                       {"Content-Type": "application/json"})  # fmt: skip
-    assert connection.getresponse().status == 400
-    connection.close()
+def test_of_saves_at_once_one_is_accepted_and_the_others_are_conflicts(server_of_new_study):
+    server, folder = server_of_new_study, server_of_new_study.folder
+    rows = [{"trial_id": "A", "power_pct": "1"}]
+    first = {"values": DRAFT_VALUES, "rows": rows}
+    revision = send_request(server, "save", first)[1]["draft"]["revision"]
+    begin, answers = threading.Barrier(6), {}
+
+    def save(number):
+        draft = {"values": {**DRAFT_VALUES, "pool.length_m": str(number)},
+                 "rows": [{**rows[0], "power_pct": str(number)}], "revision": revision}  # fmt: skip
+        begin.wait()
+        answers[number] = send_request(server, "save", draft)
+
+    threads = [threading.Thread(target=save, args=(number,)) for number in range(2, 8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    (kept,) = (number for number, (status, _) in answers.items() if status == 200)
+    assert all("changed by another program" in answer["error"]
+               for number, (_, answer) in answers.items() if number != kept)  # fmt: skip
+    assert f"length_m: {kept}\n" in (folder / "study.yaml").read_text()
+    assert f"A,,{kept}," in (folder / "trials.csv").read_text()
+    assert len(list((folder / ".backup").iterdir())) == 2
+
+
+def test_a_save_that_lacks_its_parts_is_refused_and_names_them(server_of_new_study):
+    server, folder = server_of_new_study, server_of_new_study.folder
+    whole = {"values": DRAFT_VALUES, "rows": []}
+    wrong = (
+        ({}, "values: found nothing"),
+        ({"rows": []}, "values: found nothing"),
+        ({"values": {}}, "rows: found nothing"),
+        ({**whole, "values": {"pool.depth": "1"}}, "pool.depth: found an unknown key"),
+        ({**whole, "values": {"pool.length_m": None}}, "pool.length_m: found nothing"),
+        ({**whole, "rows": [{"power": "1"}]}, "power: found an unknown column"),
+    )
+    for content, said in wrong:
+        status, answer = send_request(server, "save", content)
+        assert status == 400
+        assert said in answer["error"]
+        assert not (folder / "study.yaml").exists()
+    assert send_request(server, "save", whole)[0] == 200
+    before = (folder / "study.yaml").read_text()
+    for revision in ({}, {"revision": ""}, {"revision": None}):
+        status, answer = send_request(server, "save", {"values": {}, "rows": [], **revision})
+        assert status == 400
+        assert "does not say which revision" in answer["error"]
+    assert (folder / "study.yaml").read_text() == before
+
+
+def test_a_folder_that_cannot_be_written_is_named(server_of_new_study):
+    server, folder = server_of_new_study, server_of_new_study.folder
+    saved = send_request(server, "save", {"values": DRAFT_VALUES, "rows": []})[1]["draft"]
+    (folder / ".backup").write_text("a file", encoding="utf-8")
+    draft = {"values": {}, "rows": [], "revision": saved["revision"]}
+    status, answer = send_request(server, "save", draft)
+    assert status == 400
+    assert ".backup: found 'File exists'" in answer["error"]
+
+
+@pytest.mark.parametrize("name", ["check", "save", "corners", "outline", "recording_properties",
+                                  "preview", "calibrate"])  # fmt: skip
+@pytest.mark.parametrize("body", ["[]", "{", "nonsense", "[" * 100_000, '{"a":' * 100_000])
+def test_a_broken_request_ends_in_words(server, name, body):
+    status, _, data = send_body(server, name, body)
+    assert status == 400
+    assert "request: found" in json.loads(data)["error"]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("recording_properties", {"rows": [1]}, "rows[0]: found 1; expected"),
+        ("recording_properties", {"rows": [{"source": 5}]}, "rows[0], source: found 5; expected"),
+        ("recording_properties", {}, "rows: found nothing; expected"),
+        ("corners", {"values": 5, "source": "p50_phi20.mp4", "share": 0}, "values: found 5"),
+        ("corners", {"values": {}, "source": "a.mp4", "share": float("nan")}, "share: found nan"),
+        ("corners", {"values": {"pool.length_m": "[" * 3000, "pool.width_m": "2024-13-45"},
+                     "source": "p50_phi20.mp4", "share": 0}, "pool, length_m: found"),
+        ("check", {"values": {"bodyparts": "{a: 1, a: 2}"}, "rows": 1}, "rows: found 1"),
+    ],
+)  # fmt: skip
+def test_a_value_of_the_wrong_kind_is_named(server, name, content, said):
+    status, answer = send_request(server, name, content)
+    assert status == 400
+    assert said in answer["error"]
+
+
+def test_a_name_too_long_for_a_file_is_an_error_of_its_row(server):
+    rows = [{"source": f"{'a' * 400}.mp4", "motor_log": "b" * 400}, {"source": "p50_phi20.mp4"}]
+    status, answer = send_request(server, "recording_properties", {"rows": rows})
+    assert status == 200
+    assert "expected a video" in answer["rows"][0]["error"]
+    assert answer["rows"][1]["fps"] == 30
+
+
+def test_a_draft_of_more_than_a_hundred_kilobytes_is_read(server):
+    content = {"values": {"pool.length_m": "2" + " " * 200_000}, "rows": []}
+    assert send_request(server, "check", content)[0] == 200
+
+
+@pytest.mark.parametrize(
+    "query",
+    ["share=abc", "share=nan", "share=1e999", "first=abc", "first=nan", f"source={'a' * 400}",
+     "source=%3Cscript%3E.mp4"],
+)  # fmt: skip
+def test_errors_of_a_frame_are_plain_text(server, query):
+    source = "" if "source" in query else "source=p50_phi20.mp4&"
+    status, kind, text = send_body(server, f"frame.jpg?{source}{query}", None)
+    assert (status, kind) == (400, "text/plain; charset=UTF-8")
+    assert b"expected" in text
+
+
+def test_a_video_that_trials_csv_cannot_name_is_left_out_and_the_page_says_so(server_of_new_study):
+    for name in ("x;y.mp4", "z.mp4"):
+        (server_of_new_study.folder / name).write_bytes(b"")
+    state = send_request(server_of_new_study, "state")[1]
+    assert (
+        state["files"]["videos"] == [row["source"] for row in state["draft"]["rows"]] == ["z.mp4"]
+    )
+    assert state["new_rows"] == []
+    assert state["notes"][0].startswith("x;y.mp4 is left out")
 
 
 def poll_job(server, name, true, patience_s: float = 100.0):

@@ -222,8 +222,10 @@ def test_why_nothing_is_found_stands_beside_the_video(tmp_path):
     folder = tmp_path / "empty"
     folder.mkdir()
     encode_h264(folder / "p50_phi0.mp4", iter([frame] * 24), fps=30, size=(640, 360))
+    (folder / "x;y.mp4").write_bytes(b"")
     page = Page(folder, tmp_path)
     try:
+        assert page.text("notes").startswith("x;y.mp4 is left out")
         for name, value in (("length_m", 2.6), ("width_m", 1.2), ("depth_m", 0.3)):
             page.type(f"pool.{name}", value)
         for label, at in zip(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -21,11 +22,11 @@ from ..motor import flapping_from_log
 from ..study import Camera, Pool, Robot, StudySettings, Trial, Water
 from ..study.image_files import expand_source
 from ..study.key_reference import setting_keys
-from ..study.validation_messages import findings_from_validation_error
+from ..study.validation_messages import findings_from_validation_error, shortened_repr
 from .draft import Draft, read_draft
 from .draft_check import draft_findings
 from .frame_images import Luma, frame_at_share, points_as_json
-from .prefill import prefilled_trial_rows, study_files
+from .prefill import prefilled_trial_rows, usable_study_files
 from .robot_outline import robot_outline
 
 SETTINGS_CLASS_BY_SECTION: dict[str, type[BaseModel]] = {
@@ -49,19 +50,13 @@ BOARD_FILE_SUFFIXES = (
 MAX_CAMERA_BYTES = 1_000_000
 
 
-def draft_from_request(content: Mapping[str, Any]) -> Draft:
-    """The draft that the page sent."""
-    values = {str(k): str(v) for k, v in dict(content.get("values", {})).items()}
-    rows = [{str(k): str(v) for k, v in dict(row).items()} for row in content.get("rows", [])]
-    return Draft(values, rows, (), str(content.get("revision", "")))
-
-
 def page_state(folder: Path) -> dict[str, Any]:
     """Files of the folder, the draft, and every key with its meaning."""
-    files, draft = study_files(folder), read_draft(folder)
+    (files, notes), draft = usable_study_files(folder), read_draft(folder)
     return {
         "folder": str(folder),
         "files": {**asdict(files), "cameras": _camera_files(folder)},
+        "notes": notes,
         "keys": [asdict(key) for key in setting_keys()],
         "draft": draft_as_json(draft),
         "new_rows": _rows_of_unlisted_files(draft, folder),
@@ -75,7 +70,7 @@ def draft_as_json(draft: Draft) -> dict[str, Any]:
             "revision": draft.revision}  # fmt: skip
 
 
-def recording_properties(folder: Path, rows: list[Mapping[str, str]]) -> list[dict[str, Any]]:
+def recording_properties(folder: Path, rows: Sequence[Mapping[str, str]]) -> list[dict[str, Any]]:
     """Of each row: duration of the recording [s], frames/s, size, and flapping frequency of its log
     [Hz]; what cannot be read is left out.
     """
@@ -89,10 +84,9 @@ def source_frame(
 
     Raises: InputError where it cannot be read.
     """
-    names = [part.strip() for part in source.split(";") if part.strip()]
-    paths = tuple(path for name in names for path in expand_source(folder, name))
+    paths = _source_paths(folder, source)
     if not paths or any(".." in Path(part).parts for part in source.split(";")):
-        raise input_error(folder / "trials.csv", "source", repr(source), "a video")
+        raise input_error(folder / "trials.csv", "source", shortened_repr(source), "a video")
     return frame_at_share(paths, share, _parse_number(fps), first_s)
 
 
@@ -195,7 +189,7 @@ def _validated_section(name: str, values: Mapping[str, str]) -> Any:
 def _parse_value(text: str) -> Any:
     try:
         return yaml.safe_load(text)
-    except yaml.YAMLError:
+    except (yaml.YAMLError, ValueError, RecursionError):
         return text
 
 
@@ -212,25 +206,36 @@ def _recording_properties(folder: Path, row: Mapping[str, str]) -> dict[str, Any
     try:
         trial = Trial.model_construct(source=row.get("source", ""), trial_id="")
         if trial.source and not trial.reads_keypoints:
-            paths = [path for name in trial.sources for path in expand_source(folder, name)]
-            film = open_recording(paths, fps=_parse_number(row.get("fps", "")))
+            film = open_recording(
+                _source_paths(folder, trial.source), fps=_parse_number(row.get("fps", ""))
+            )
             fps = film.fps or film.nominal_fps
             found |= {"duration_s": round(film.frames_present / fps, 2), "fps": round(fps, 3),
                       "size_px": list(film.size_px)}  # fmt: skip
     except InputError as error:
         found["error"] = str(error)
     try:
-        if (log := row.get("motor_log", "").strip()) and (folder / log).exists():
+        if (log := row.get("motor_log", "").strip()) and os.path.isfile(folder / log):
             found["flap_hz"] = round(flapping_from_log(folder / log).flap_hz, 3)
     except InputError as error:
         found["log_error"] = str(error)
     return found
 
 
+def _source_paths(folder: Path, source: str) -> tuple[Path, ...]:
+    """Files that a source names. Raises: InputError where it can be no path."""
+    names = [part.strip() for part in source.split(";") if part.strip()]
+    try:
+        return tuple(path for name in names for path in expand_source(folder, name))
+    except (OSError, ValueError) as error:
+        found = shortened_repr(source)
+        raise input_error(folder / "trials.csv", "source", found, "a video") from error
+
+
 def _rows_of_unlisted_files(draft: Draft, folder: Path) -> list[dict[str, str]]:
     """Pre-filled rows of trials.csv for files of the folder that no row of the draft names."""
     named = {part.strip() for row in draft.rows for part in row.get("source", "").split(";")}
-    return [row for row in prefilled_trial_rows(study_files(folder))
+    return [row for row in prefilled_trial_rows(usable_study_files(folder)[0])
             if not set(row["source"].split(";")) & named]  # fmt: skip
 
 

@@ -8,7 +8,7 @@ import os
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..footage.gopro_chapters import gopro_chapter
@@ -77,6 +77,21 @@ def study_files(folder: Path) -> StudyFiles:
     films = [name for name, count in pictures.items() if count >= MIN_PICTURES]
     found = (tuple(sorted(some, key=natural_sort_key)) for some in (videos, points, logs, films))
     return StudyFiles(*found)
+
+
+def usable_study_files(folder: Path) -> tuple[StudyFiles, tuple[str, ...]]:
+    """Files of a folder that trials.csv can name, and a sentence on each recording that it cannot.
+
+    `;` separates the files of one recording in trials.csv, so that no name may contain it.
+    """
+    files = study_files(folder)
+    kinds = ("videos", "keypoints", "pictures")
+    kept = {kind: tuple(n for n in getattr(files, kind) if ";" not in n) for kind in kinds}
+    notes = tuple(
+        f"{name} is left out: ';' separates the files of one recording in trials.csv. Rename it."
+        for kind in kinds for name in getattr(files, kind) if ";" in name
+    )  # fmt: skip
+    return replace(files, **kept), notes
 
 
 def prefilled_trial_rows(

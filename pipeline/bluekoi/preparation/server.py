@@ -6,6 +6,7 @@ import hmac
 import json
 import re
 import secrets
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from functools import partial
@@ -17,10 +18,17 @@ import waitress
 
 from ..errors import InputError
 from . import page_answers as answers
-from .draft import save_draft
 from .draft_check import draft_findings, draft_study
+from .draft_saving import save_draft
 from .frame_images import encode_jpeg, preview_as_json
 from .jobs import AnalysisProcess, Jobs
+from .request_values import (
+    draft_from_request,
+    finite_number,
+    parse_request,
+    rows_from_request,
+    texts_by_name,
+)
 
 PAGE_FOLDER = Path(__file__).parent / "page"
 HOST = "127.0.0.1"
@@ -30,6 +38,14 @@ CONTENT_SECURITY_POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
     "frame-ancestors 'none'; form-action 'none'; base-uri 'none'"
 )
+SECURITY_HEADERS = {
+    "Cache-Control": "no-store",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+}
+PLAIN_TEXT = "text/plain; charset=UTF-8"
+UNREADABLE_REQUEST = (KeyError, TypeError, ValueError)
+"""Errors of an answer by which the request was wrong in a way that no check names."""
 
 
 class SetupServer:
@@ -44,6 +60,7 @@ class SetupServer:
     ) -> None:
         self.folder, self.results = folder.resolve(), results.resolve()
         self.token = secrets.token_urlsafe(24)
+        self._saving = threading.Lock()
         self.jobs, self.run = Jobs(), AnalysisProcess(run_words, results / "report.html")
         self._server = waitress.create_server(
             self._application(), host=HOST, port=port, threads=SERVER_THREADS,
@@ -102,9 +119,7 @@ class SetupServer:
             bottle.abort(403, "A request of another page is refused.")
         if not hmac.compare_digest(token.encode(), self.token.encode()):
             bottle.abort(404, "Open the page at the address that the terminal shows.")
-        bottle.response.set_header("Cache-Control", "no-store")
-        bottle.response.set_header("X-Content-Type-Options", "nosniff")
-        bottle.response.set_header("Referrer-Policy", "no-referrer")
+        _set_security_headers()
 
     def _static(self, name: str) -> Any:
         found = bottle.static_file(name, root=str(PAGE_FOLDER))
@@ -119,12 +134,14 @@ class SetupServer:
         query = bottle.request.query
         try:
             time_s, grey = answers.source_frame(
-                self.folder, query.getunicode("source", ""), float(query.get("share", "0.5")),
-                query.get("fps", ""), float(query["first"]) if "first" in query else None,
+                self.folder, query.getunicode("source", ""),
+                finite_number(query.get("share", "0.5"), "share"), query.get("fps", ""),
+                finite_number(query["first"], "first") if "first" in query else None,
             )  # fmt: skip
-        except InputError as error:
+        except (InputError, *UNREADABLE_REQUEST) as error:
             bottle.response.status = 400
-            return str(error)
+            bottle.response.content_type = PLAIN_TEXT
+            return _refusal_text(error)
         bottle.response.content_type = "image/jpeg"
         bottle.response.set_header("X-Time", f"{time_s:.3f}")
         return encode_jpeg(grey)
@@ -135,33 +152,40 @@ class SetupServer:
 
     def _check(self) -> dict[str, Any]:
         content = _request_json()
-        draft = answers.draft_from_request(content)
+        draft = draft_from_request(content)
         found = draft_findings(draft, self.folder, files=bool(content.get("files")))
         return {"findings": [asdict(finding) for finding in found]}
 
     def _save(self) -> dict[str, Any]:
-        draft, done = save_draft(answers.draft_from_request(_request_json()), self.folder)
+        wanted = draft_from_request(_request_json())
+        with self._saving:
+            draft, done = save_draft(wanted, self.folder)
         found = draft_findings(draft, self.folder)
         return {"draft": answers.draft_as_json(draft), "done": done,
                 "findings": [asdict(finding) for finding in found]}  # fmt: skip
 
     def _corners(self) -> dict[str, Any]:
         content = _request_json()
-        _, grey = answers.source_frame(self.folder, content["source"], float(content["share"]),
-                                     str(content.get("fps", "")))  # fmt: skip
-        return answers.corners_on_frame(content["values"], grey)
+        values = texts_by_name(content.get("values"), "values")
+        _, grey = answers.source_frame(
+            self.folder, str(content["source"]), finite_number(content.get("share"), "share"),
+            str(content.get("fps", "")),
+        )  # fmt: skip
+        return answers.corners_on_frame(values, grey)
 
     def _outline(self) -> dict[str, Any]:
         content = _request_json()
-        return answers.outline_on_frame(content["values"], content["place"])
+        values = texts_by_name(content.get("values"), "values")
+        return answers.outline_on_frame(values, content["place"])
 
     def _recording_properties(self) -> dict[str, Any]:
-        return {"rows": answers.recording_properties(self.folder, _request_json()["rows"])}
+        rows = rows_from_request(_request_json())
+        return {"rows": answers.recording_properties(self.folder, rows)}
 
     def _preview(self) -> dict[str, Any]:
         """Begin the preview of one row; the other rows need not be complete."""
         content = _request_json()
-        draft = answers.draft_from_request(content)
+        draft = draft_from_request(content)
         name = str(content["trial_id"])
         rows = {n: row for n, row in enumerate(draft.rows, 2) if row.get("trial_id") == name}
         number = next(iter(rows), 2)
@@ -179,7 +203,7 @@ class SetupServer:
         content = _request_json()
         self.jobs.start(
             "calibration", answers.lens_calibration, self.folder, str(content["files"]),
-            str(content["pattern"]), float(content["square_mm"]),
+            str(content["pattern"]), finite_number(content["square_mm"], "square_mm"),
         )  # fmt: skip
         return {}
 
@@ -195,29 +219,36 @@ class SetupServer:
         return self.run.state()
 
 
-def _request_json() -> Any:
+def _request_json() -> dict[str, Any]:
     """The json object that the page sent."""
     if bottle.request.content_type.partition(";")[0] != "application/json":
         bottle.abort(415, "Expected json.")
-    content = bottle.request.json
-    if not isinstance(content, dict):
-        bottle.abort(400, "Expected a json object.")
-    return content
+    return parse_request(bottle.request.body.read())
 
 
 def _json_response(work: Callable[[], Any]) -> str:
-    """Json of what `work` returns; an input error as its text, with status 400."""
+    """Json of what `work` returns; an error of the request as its text, with status 400."""
     bottle.response.content_type = "application/json"
     try:
         return json.dumps(work(), allow_nan=False)
-    except InputError as error:
+    except (InputError, *UNREADABLE_REQUEST) as error:
         bottle.response.status = 400
-        return json.dumps({"error": str(error)})
-    except (KeyError, TypeError, ValueError) as error:
-        bottle.response.status = 400
-        return json.dumps({"error": f"a request that cannot be read ({error!r})"})
+        return json.dumps({"error": _refusal_text(error)})
+
+
+def _refusal_text(error: Exception) -> str:
+    """Why a request is refused."""
+    if isinstance(error, InputError):
+        return str(error)
+    return f"a request that cannot be read ({error!r})"
+
+
+def _set_security_headers() -> None:
+    for name, value in SECURITY_HEADERS.items():
+        bottle.response.set_header(name, value)
 
 
 def _text_error_response(error: bottle.HTTPError) -> str:
-    bottle.response.content_type = "text/plain"
+    _set_security_headers()
+    bottle.response.content_type = PLAIN_TEXT
     return str(error.body)

@@ -66,6 +66,8 @@ async function begin() {
   Object.assign(store, { keys: state.keys, files: state.files, folder: state.folder, findings: state.findings,
     newRows: state.new_rows });
   id("folder").textContent = state.folder;
+  id("notes").textContent = state.notes.join("\n");
+  id("notes").hidden = !state.notes.length;
   document.title = `${state.folder.split("/").pop()}: BlueKoi study set-up`;
   for (const name of NAMES) STEPS[name].start(save);
   on("findings", steps);

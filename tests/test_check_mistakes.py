@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 import yaml
+from click.testing import CliRunner
 
+from bluekoi.cli import main
 from bluekoi.files import read_json
 from bluekoi.footage import encode_h264
-from bluekoi.preparation.input_check import file_findings
+from bluekoi.preparation.input_check import check_files, file_findings, recording_warnings
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.study import load_study
 from small_studies import edit_trials_csv, small_study
@@ -64,6 +67,67 @@ def test_a_start_outside_of_the_pictures_is_named_with_their_size(study):
     assert finding.where == "trial T10, start_x_px, start_y_px"
     assert finding.found == "(5000, 10)"
     assert finding.expected.endswith(f"{size[0]} x {size[1]}")
+
+
+def film_trials(study, fps, *trials):
+    """Make trials videos of twelve grey pictures at 30 frames/s, with another rate stated."""
+    size = load_study(study).setup.camera.image_size_px
+    for first, trial in enumerate(trials, 90):
+        levels = range(first, first + 12)
+        grey = [np.full((size[1], size[0], 3), level, np.uint8) for level in levels]
+        encode_h264(study / f"{trial}.mp4", grey, fps=30, size=size)
+        row = {"source": f"{trial}.mp4", "fps": fps, "motor_log": ""}
+        edit_trials_csv(study, **{trial: row})
+
+
+def warnings_of_check(study):
+    loaded = load_study(study)
+    findings, _, remarks = check_files(loaded)
+    assert findings == []
+    return recording_warnings(loaded, remarks)
+
+
+@pytest.mark.parametrize(("trials", "named"), [
+    (("T10",), "trial T10"), (("T09", "T10"), "trials T09, T10"),
+])  # fmt: skip
+def test_a_rate_that_replaces_the_file_s_own_is_a_warning(study, trials, named):
+    film_trials(study, "60", *trials)
+    expected = "fps 60 from trials.csv replaces the file's own 30"
+    assert warnings_of_check(study) == [f"{named}: {expected}"]
+    shown = CliRunner().invoke(main, ["check", str(study)])
+    assert shown.exit_code == 0
+    assert f"Warning: {named}: {expected}" in shown.output
+
+
+def test_a_rate_that_is_the_file_s_own_is_no_warning(study):
+    film_trials(study, "30", "T10")
+    assert warnings_of_check(study) == []
+
+
+def test_a_status_of_detection_has_the_remarks_on_the_recording(study, tmp_path):
+    film_trials(study, "60", "T10")
+    keypoints(study, tmp_path / "results", "T10")
+    status = read_json(tmp_path / "results/status/keypoints/T10.json")
+    assert status["ok"]
+    assert status["remarks"][0] == "fps 60 from trials.csv replaces the file's own 30"
+
+
+def test_a_video_that_was_cut_short_is_reported_once(study, tmp_path):
+    rng, path = np.random.default_rng(1), study / "T10.avi"
+    width, height = load_study(study).setup.camera.image_size_px
+    video = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 30.0, (width, height))
+    for _ in range(40):
+        noise = rng.integers(80, 100, (height // 8, width // 8, 3)).astype(np.uint8)
+        video.write(cv2.resize(noise, (width, height)))
+    video.release()
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    edit_trials_csv(study, T10={"source": "T10.avi", "fps": "", "motor_log": ""})
+    (warning,) = warnings_of_check(study)
+    assert warning.startswith("trial T10: cut short: ")
+    keypoints(study, tmp_path / "results", "T10")
+    status = read_json(tmp_path / "results/status/keypoints/T10.json")
+    assert "of 40 declared frames" in status["cut_short"]
+    assert not any("cut short" in text for text in status["remarks"])
 
 
 @pytest.mark.parametrize(

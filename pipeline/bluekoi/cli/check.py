@@ -43,7 +43,11 @@ UNCHECKED_MOTION_NOTE = (
 def check(study: Path) -> None:
     """List errors and warnings on the files of STUDY, a folder with study.yaml and trials.csv."""
     from ..errors import InputError  # noqa: PLC0415
-    from ..preparation.input_check import check_files, setup_findings  # noqa: PLC0415
+    from ..preparation.input_check import (  # noqa: PLC0415
+        check_files,
+        recording_warnings,
+        setup_findings,
+    )
     from ..study import load_study, missing_files  # noqa: PLC0415
     from ..trial_warnings import trial_warnings, unchecked_clock_notes  # noqa: PLC0415
     from ..workflow.plan import check_results_name  # noqa: PLC0415
@@ -60,8 +64,8 @@ def check(study: Path) -> None:
         def progress(share: float) -> None:
             wait.share = share
 
-        unreadable, statuses = check_files(loaded, progress)
-    warnings = trial_warnings(loaded, statuses)
+        unreadable, statuses, said = check_files(loaded, progress)
+    warnings = [*recording_warnings(loaded, said), *trial_warnings(loaded, statuses)]
     for remark in remarks:
         click.echo(f"{study / 'study.yaml'}: {remark}")
     for warning in warnings:

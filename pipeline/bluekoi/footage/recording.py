@@ -33,6 +33,7 @@ class Recording:
     applied to the stored picture. key_stamps: timestamps of the key frames of each file, in units
     of time_base_s. first_luma: brightness of the first key frame as stored,
     where it is known. picture_numbers: which frame each picture file is, of a recording of these.
+    remarks: what a person should know of the recording; of one file without its name.
     """
 
     paths: tuple[Path, ...]
@@ -209,7 +210,7 @@ def _recording_remarks(
     paths: tuple[Path, ...], probes: list[VideoProperties], fps: float | None
 ) -> tuple[str, ...]:
     found = [
-        f"{path.name}: {remark}"
+        remark if len(paths) == 1 else f"{path.name}: {remark}"
         for path, p in zip(paths, probes, strict=True)
         for remark in p.remarks
     ]

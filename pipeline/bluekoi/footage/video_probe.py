@@ -22,6 +22,8 @@ MIN_LISTED_FRAMES_SHARE = 0.5
 MAX_DURATION_ROUNDING_FRAMES = (
     3  # frames that a duration in milliseconds and a mean rate may be off by
 )
+CUT_SHORT = "cut short"
+"""First words of the remark on a file that holds fewer frames than it declares."""
 MAX_REORDERED_FRAMES = 4.5  # encoders that reorder frames write an edit list of up to this many
 
 
@@ -204,7 +206,7 @@ def _probe_remarks(
     found = []
     if present < declared or (boxes is not None and boxes.cut and present == declared):
         found.append(
-            f"cut short: {present} of {declared} declared frames are in the file; the readable "
+            f"{CUT_SHORT}: {present} of {declared} declared frames are in the file; the readable "
             "ones are used"
         )
     if rotation:

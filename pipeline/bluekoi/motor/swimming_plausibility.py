@@ -157,7 +157,7 @@ def _clock_warnings(ratios: dict[str, float], of: int) -> Iterator[str]:
         group = max(groups, key=len)
         value = float(np.mean([ratios.pop(i) for i in group]))
         yield (
-            f"{_trial_list_text(group, of)}: the tail beats {value:.4g} times as fast in the "
+            f"{trial_list_text(group, of)}: the tail beats {value:.4g} times as fast in the "
             f"video as the "
             f"motor does. Either fps is {value:.4g} times the true frame rate (clock_error), and "
             "speeds and rates are wrong by that factor, or the motor log or flap_hz is wrong."
@@ -176,7 +176,7 @@ def _stopped_motor_warnings(beats_hz: Mapping[str, float], of: int) -> Iterator[
         low, high = min(beats_hz.values()), max(beats_hz.values())
         hz = f"{low:.3g}" if high < 1.01 * low else f"{low:.3g} to {high:.3g}"
         yield (
-            f"{_trial_list_text(list(beats_hz), of)}: flap_hz is 0, but the tail beats at {hz} Hz "
+            f"{trial_list_text(list(beats_hz), of)}: flap_hz is 0, but the tail beats at {hz} Hz "
             "in the video. State the frequency, or leave flap_hz empty."
         )
 
@@ -185,7 +185,7 @@ def _logged_share_warnings(shares: Mapping[str, float], of: int) -> Iterator[str
     few = {i: share for i, share in shares.items() if share < MIN_LOGGED_SHARE}
     if few:
         yield (
-            f"{_trial_list_text(list(few), of)}: the motor log covers "
+            f"{trial_list_text(list(few), of)}: the motor log covers "
             f"{100 * min(few.values()):.2g} % of the recording. Is fps far too low, or is the log "
             "another trial's?"
         )
@@ -197,10 +197,11 @@ def _implausible_swimming_warnings(
     odd = [i for i, trial in numbers.items() if implausible_numbers_text([trial])]
     if odd:
         implausible = implausible_numbers_text([numbers[i] for i in odd])
-        yield f"{_trial_list_text(odd, of)}: {implausible}. {CHECK_LENGTHS_REMEDY}"
+        yield f"{trial_list_text(odd, of)}: {implausible}. {CHECK_LENGTHS_REMEDY}"
 
 
-def _trial_list_text(ids: Sequence[str], of: int) -> str:
+def trial_list_text(ids: Sequence[str], of: int) -> str:
+    """The ids of some trials out of `of`, in words; more than four are counted."""
     if len(ids) == of > 1:
         return f"all {of} trials"
     names = ", ".join(ids[:4]) + (f" and {len(ids) - 4} more" if len(ids) > 4 else "")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from filecmp import cmp
 from pathlib import Path
@@ -20,7 +20,7 @@ from ..footage import open_recording
 from ..keypoints import source_module
 from ..motor import flapping_from_log, flapping_record, trial_flapping
 from ..motor.motor_log import motor_log_coverage
-from ..motor.swimming_plausibility import tail_length_seen
+from ..motor.swimming_plausibility import tail_length_seen, trial_list_text
 from ..pose.body import RIGID_PARTS
 from ..pose.common_mistakes import merge_common_mistakes
 from ..pose.exchanged_frames import undo_head_tail_exchanges
@@ -53,21 +53,37 @@ def file_findings(study: Study) -> list[InputIssue]:
 
 def check_files(
     study: Study, progress: Callable[[float], None] = lambda _: None
-) -> tuple[list[InputIssue], dict[str, dict[str, Any]]]:
-    """`file_findings`, and what the keypoint files of sound trials say of flapping frequency and
-    tail, by trial id and in the words of status/ID.json.
+) -> tuple[list[InputIssue], dict[str, dict[str, Any]], dict[str, tuple[str, ...]]]:
+    """`file_findings`; what the keypoint files of sound trials say of flapping frequency and tail,
+    in the words of status/ID.json; and the remarks on the footage. The last two by trial id.
 
     progress: called with the share of the trials done.
     """
-    found, statuses = _shared_source_findings(study), {}
+    found = _shared_source_findings(study)
+    statuses: dict[str, dict[str, Any]] = {}
+    remarks: dict[str, tuple[str, ...]] = {}
     for done, trial in enumerate(study.trials, 1):
         try:
-            if status := _check_readable(study, trial):
-                statuses[trial.trial_id] = status
+            if trial.reads_keypoints:
+                statuses[trial.trial_id] = _check_keypoints(study, trial)
+            else:
+                remarks[trial.trial_id] = _check_footage(study, trial)
         except InputError as error:
             found += [_with_study_folder(study.root, one) for one in error.findings]
         progress(done / len(study.trials))
-    return merge_common_mistakes(study, found), statuses
+    return merge_common_mistakes(study, found), statuses, remarks
+
+
+def recording_warnings(study: Study, remarks: Mapping[str, Sequence[str]]) -> list[str]:
+    """A sentence for each remark on the footage, with all trials that it holds for.
+
+    remarks: by trial id.
+    """
+    trials_of: dict[str, list[str]] = {}
+    for name, texts in remarks.items():
+        for text in texts:
+            trials_of.setdefault(text, []).append(name)
+    return [f"{trial_list_text(ids, len(study.trials))}: {text}" for text, ids in trials_of.items()]
 
 
 def _with_study_folder(folder: Path, finding: InputIssue) -> InputIssue:
@@ -109,57 +125,62 @@ def _duplicate_files(paths: set[Path]) -> dict[Path, Path]:
     return out
 
 
-def _check_readable(study: Study, trial: Trial) -> dict[str, Any]:
-    """What a keypoint file says of flapping frequency and tail; nothing for a film.
+def _check_keypoints(study: Study, trial: Trial) -> dict[str, Any]:
+    """What a keypoint file says of flapping frequency and tail.
 
-    Raises: InputError where a trial's motor log, keypoints or film cannot be read, where the
-    keypoints cannot be those of the robot, or the log is of another time or contradicts flap_hz.
+    Raises: InputError where a trial's motor log or keypoints cannot be read, where the keypoints
+    cannot be those of the robot, or the log is of another time or contradicts flap_hz.
     """
-    positions, logged = None, None
-    if trial.reads_keypoints:
-        path = study.paths(trial)[0]
-        found = source_module("deeplabcut").read_keypoints_of_trial(
-            path, trial, study.setup.bodyparts
-        )
-        given = study.setup.camera
-        check_within_picture(path, found, given.image_size_px if given else None)
-        check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
-        _check_usable_frames(path, found)
-        camera, depth = pool_camera(study.setup), study.setup.robot.keypoint_depth_m
-        positions, exchanged = undo_head_tail_exchanges(
-            map_keypoints(camera, found, depth), study.setup.robot, trial.head_length_m
-        )
-        pose = checked_rigid_pose(study, trial, positions)
-        body = status_of_body_measurements(found, positions, pose, study.setup.robot, trial)
-        turned = turned_picture_record(camera, found, depth)
-        end_s = float(found.time_s[-1])
-    else:
-        film = open_recording(
-            study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
-        )
-        setup_in_recording_pixels(
-            study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})"
-        )
-        _check_start_in_picture(study, trial, film.size_px)
-        end_s = trial.end_s or film.duration_s
-        check_frame_count(study, trial, film.frames_in_part, film.fps or film.nominal_fps)
-    if (log := study.motor_path(trial)) is not None:
-        flapping = flapping_from_log(log)
-        logged = motor_log_coverage(log, flapping, (trial.start_s or 0.0, end_s))
-        _check_stated_frequency(study, trial, flapping.flap_hz)
-    if positions is None:
-        return {}
-    record = flapping_record(trial_flapping(study, trial, positions))
+    path = study.paths(trial)[0]
+    found = source_module("deeplabcut").read_keypoints_of_trial(path, trial, study.setup.bodyparts)
+    given = study.setup.camera
+    check_within_picture(path, found, given.image_size_px if given else None)
+    check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
+    _check_usable_frames(path, found)
+    camera, depth = pool_camera(study.setup), study.setup.robot.keypoint_depth_m
+    positions, exchanged = undo_head_tail_exchanges(
+        map_keypoints(camera, found, depth), study.setup.robot, trial.head_length_m
+    )
+    pose = checked_rigid_pose(study, trial, positions)
     status = {
         "ok": True,
-        "flapping": record,
+        "logged_share": _check_motor_log(study, trial, float(found.time_s[-1])),
+        "flapping": flapping_record(trial_flapping(study, trial, positions)),
         "tail_m": tail_length_seen(positions),
-        "body": body,
+        "body": status_of_body_measurements(found, positions, pose, study.setup.robot, trial),
         "exchanged_frames": exchanged,
-        "turned_picture": turned,
-        "logged_share": logged,
+        "turned_picture": turned_picture_record(camera, found, depth),
     }
     return dict(to_json_types(status))
+
+
+def _check_footage(study: Study, trial: Trial) -> tuple[str, ...]:
+    """Remarks on the footage of a trial.
+
+    Raises: InputError where a trial's motor log or footage cannot be read, or the log is of another
+    time or contradicts flap_hz.
+    """
+    film = open_recording(
+        study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
+    )
+    setup_in_recording_pixels(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
+    _check_start_in_picture(study, trial, film.size_px)
+    check_frame_count(study, trial, film.frames_in_part, film.fps or film.nominal_fps)
+    _check_motor_log(study, trial, trial.end_s or film.duration_s)
+    return film.remarks
+
+
+def _check_motor_log(study: Study, trial: Trial, end_s: float) -> float | None:
+    """Share of the recording up to end_s that the motor log covers; None without a log.
+
+    Raises: InputError where the log cannot be read, is of another time or contradicts flap_hz.
+    """
+    if (log := study.motor_path(trial)) is None:
+        return None
+    flapping = flapping_from_log(log)
+    logged = motor_log_coverage(log, flapping, (trial.start_s or 0.0, end_s))
+    _check_stated_frequency(study, trial, flapping.flap_hz)
+    return logged
 
 
 def _check_stated_frequency(study: Study, trial: Trial, log_hz: float) -> None:

@@ -80,6 +80,7 @@ def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoin
     import cv2  # noqa: PLC0415  only where there is footage
 
     from ..footage import frames, open_recording  # noqa: PLC0415
+    from ..footage.video_probe import CUT_SHORT  # noqa: PLC0415
     from ..study.recording_pixels import setup_in_recording_pixels  # noqa: PLC0415
 
     cv2.setNumThreads(threads)
@@ -98,11 +99,10 @@ def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoin
     found = detector.detect_keypoints(
         film, setup_in_recording_pixels(study.setup, recording.size_px), trial
     )
-    found = replace(
-        found, remarks=(*found.remarks, *unreadable_frames_remark(trial, recording, found.time_s))
-    )
     short = recording.frames_present < recording.frames_declared and trial.end_s is None
-    return found, {
+    unreadable = unreadable_frames_remark(trial, recording, found.time_s)
+    said = [text for text in recording.remarks if not (short and CUT_SHORT in text)]
+    return replace(found, remarks=(*said, *found.remarks, *unreadable)), {
         "source": study.setup.detection.source,
         "frames_declared": recording.frames_declared,
         "size_px": list(recording.size_px),
@@ -112,12 +112,15 @@ def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoin
 
 def unreadable_frames_remark(trial: Trial, recording: Any, time_s: Float) -> tuple[str, ...]:
     """A remark where pictures in the midst of a whole recording could not be read; time_s of those
-    that could.
+    that could. Pictures that are missing from a folder have a remark of the recording.
     """
-    lost = recording.frames_present - len(time_s)
+    present = len(recording.paths) if trial.reads_images else recording.frames_present
+    lost = present - len(time_s)
     whole = trial.start_s is None and trial.end_s is None
     if not whole or lost < MIN_LOST_FRAMES or len(time_s) < 2:
         return ()
+    if trial.reads_images:
+        return (f"{lost} of {present} pictures could not be read: copy them again",)
     step = np.diff(time_s)
     at = int(np.argmax(step))
     return (

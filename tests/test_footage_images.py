@@ -7,12 +7,16 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
+from PIL.ExifTags import Base
 
 from bluekoi.errors import InputError
 from bluekoi.footage import frames, open_recording
 from bluekoi.footage.image_recording import picture_numbers
-from bluekoi.preparation.input_check import file_findings
+from bluekoi.footage.picture_sizes import picture_size_px
+from bluekoi.preparation.input_check import check_files, file_findings, recording_warnings
 from bluekoi.stages.freshness import file_states
+from bluekoi.stages.keypoints import unreadable_frames_remark
 from bluekoi.study import Study, StudySettings, missing_files
 from bluekoi.study.image_files import expand_source
 
@@ -145,3 +149,67 @@ def test_missing_pictures_leave_a_gap_and_not_a_shorter_recording(folder):
 )
 def test_numbers_in_names_count_frames_where_most_are_there(names, numbers):
     assert picture_numbers([Path(f"{name}.png") for name in names]) == numbers
+
+
+def picture_study(folder, source="T1/frame_*.png"):
+    (folder / "trials.csv").write_text(HEADER + f"A,{source},50,0,0.12,30\n")
+    trials = tuple(trials_of_folder(folder))
+    return Study.model_construct(root=folder.resolve(), setup=small_setup(), trials=trials)
+
+
+def test_check_names_pictures_of_another_size(folder):
+    for number in (1, 9, 10, 11, 12):
+        cv2.imwrite(str(folder / f"T1/frame_{number}.png"), np.zeros((30, 40), np.uint8))
+    study = picture_study(folder)
+    findings, _, remarks = check_files(study)
+    assert findings == []
+    assert recording_warnings(study, remarks) == [
+        "trial A: 5 of 12 pictures are not used, expected 80 x 60 px as in most of them: "
+        "frame_1.png (40 x 30 px), frame_9.png (40 x 30 px), frame_10.png (40 x 30 px) and 2 more"
+    ]
+    film = open_recording(study.paths(study.trials[0]), fps=30.0)
+    assert film.size_px == (80, 60)
+    assert [one.index for one in frames(film)] == [1, 2, 3, 4, 5, 6, 7]
+
+
+def test_check_names_pictures_whose_header_cannot_be_read(folder):
+    (folder / "T1/frame_5.png").write_bytes(b"broken")
+    study = picture_study(folder)
+    (warning,) = recording_warnings(study, check_files(study)[2])
+    assert "1 of 12 pictures is not readable: frame_5.png" in warning
+
+
+@pytest.mark.parametrize("orientation", [1, 6])
+def test_the_size_of_a_turned_photograph_is_that_of_the_picture_shown(tmp_path, orientation):
+    exif = Image.Exif()
+    exif[Base.Orientation] = orientation
+    Image.new("L", (80, 60)).save(tmp_path / "a.jpg", exif=exif)
+    shown = cv2.imread(str(tmp_path / "a.jpg"))
+    assert picture_size_px(tmp_path / "a.jpg") == (shown.shape[1], shown.shape[0])
+
+
+@pytest.mark.parametrize("suffix", ["png", "jpg", "tif", "bmp", "pgm"])
+def test_the_size_of_a_picture_of_each_kind_is_read(tmp_path, suffix):
+    path = tmp_path / f"a.{suffix}"
+    cv2.imwrite(str(path), np.zeros((60, 80), np.uint8))
+    assert picture_size_px(path) == (80, 60)
+
+
+def test_missing_pictures_are_not_unreadable(folder):
+    for number in (5, 6, 7, 8):
+        (folder / f"T1/frame_{number}.png").unlink()
+    study = picture_study(folder)
+    (trial,) = study.trials
+    film = open_recording(study.paths(trial), fps=30.0)
+    times = np.array([one.time_s for one in frames(film)])
+    assert unreadable_frames_remark(trial, film, times) == ()
+    (remark,) = unreadable_frames_remark(trial, film, times[[0, 1, 7]])
+    assert remark == "5 of 8 pictures could not be read: copy them again"
+
+
+def test_companions_that_macos_writes_are_no_pictures(folder):
+    for i in range(1, 13):
+        (folder / f"T1/._frame_{i}.png").write_bytes(b"\0\5\x16\7")
+    for name in ("T1", "T1/*.png"):
+        assert len(expand_source(folder, name)) == 13
+    assert len(expand_source(folder, "T1/*frame_%d.png")) == 12

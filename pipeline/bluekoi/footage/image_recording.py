@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import compress
 from pathlib import Path
 
 import cv2
@@ -14,6 +15,7 @@ import numpy.typing as npt
 from ..data import Frame
 from ..errors import input_error
 from ..study.image_files import IMAGE_SUFFIXES
+from .picture_sizes import picture_size_px, unused_picture_remarks
 from .recording import IMAGES_CODEC, Recording
 
 RecordedPixels = npt.NDArray[np.uint8]
@@ -32,7 +34,9 @@ def all_are_images(paths: Sequence[Path]) -> bool:
 def open_images(
     paths: Sequence[Path], *, fps: float | None, start_s: float | None, end_s: float | None
 ) -> Recording:
-    """Recording of pictures in the order given, the first one read.
+    """Recording of pictures in the order given, without those of another size than most.
+
+    Only the first one used is decoded; of the others the headers are read.
 
     Raises: InputError where a file is missing, the first cannot be read, or no rate is stated.
     """
@@ -41,7 +45,9 @@ def open_images(
     if fps is None:
         raise input_error(paths[0], "fps", "nothing", "the frame rate of the pictures",
                           "State fps in trials.csv.")  # fmt: skip
-    first = _read_image(paths[0], colour=False)
+    sizes = [picture_size_px(path) for path in paths]
+    usable, unused_remarks = unused_picture_remarks(paths, sizes)
+    first = _read_image(paths[usable.index(True)], colour=False) if sizes[0] else None
     if first is None:
         raise input_error(paths[0], "", "no readable picture", "png, jpg, tif or bmp",
                           "Check that the copy is complete.")  # fmt: skip
@@ -51,18 +57,18 @@ def open_images(
         raise input_error(paths[0], "start_s", f"{start_s:g} s in {count / fps:.2f} s",
                           "a start inside the recording")  # fmt: skip
     return Recording(
-        paths=tuple(paths),
+        paths=tuple(compress(paths, usable)),
         size_px=(first.shape[1], first.shape[0]),
         codec=IMAGES_CODEC,
         frames_declared=count,
         frames_present=count,
         nominal_fps=fps,
-        offset_s=(0.0,) * len(paths),
+        offset_s=(0.0,) * sum(usable),
         fps=fps,
         start_s=start_s,
         end_s=end_s,
-        remarks=_missing_picture_remarks(paths, numbers),
-        picture_numbers=numbers,
+        remarks=(*_missing_picture_remarks(paths, numbers), *unused_remarks),
+        picture_numbers=tuple(compress(numbers, usable)),
     )
 
 
@@ -92,9 +98,9 @@ def _missing_picture_remarks(paths: Sequence[Path], numbers: Sequence[int]) -> t
         return ()
     last = int(np.argmax(np.diff(numbers)))
     return (
-        f"{missing} pictures of {numbers[-1] + 1} are missing by the numbers in their names, most "
-        f"of them between {paths[last].name} and {paths[last + 1].name}; these frames count as "
-        "lost",
+        f"{missing} pictures of {numbers[-1] + 1} are missing from the folder, by the numbers in "
+        f"their names, most of them between {paths[last].name} and {paths[last + 1].name}; these "
+        "frames count as lost",
     )
 
 
@@ -104,7 +110,7 @@ def image_frames(
 ) -> Iterator[Frame]:  # fmt: skip
     """Frames of the recording's part; `count` of them spread evenly, or all; see `frames`.
 
-    Pictures that cannot be read, or of another size than the first, are left out.
+    Pictures that cannot be read are left out.
     """
     wanted = [i for i in range(len(recording.paths)) if _lies_in_wanted_part(recording, i)]
     if count is not None and len(wanted) > count:

@@ -34,7 +34,7 @@ def expand_source(root: Path, name: str) -> tuple[Path, ...]:
     if IMAGE_PATTERN.search(name) and not path.exists():
         found = _files_matching_pattern(path)
     elif path.is_dir():
-        found = [one for one in path.iterdir() if one.suffix.lower() in IMAGE_SUFFIXES]
+        found = [one for one in path.iterdir() if _is_picture(one)]
     else:
         return (path,)
     return tuple(sorted(found, key=lambda one: natural_sort_key(str(one)))) or (path,)
@@ -48,8 +48,12 @@ def _files_matching_pattern(path: Path) -> list[Path]:
     shell = "/".join(re.sub(r"%0?\d*d", "*", part) for part in parts[fixed:])
     form = re.compile(_pattern_to_regex(parts[-1]), re.IGNORECASE)
     found = base.glob(shell) if base.is_dir() else []
-    return [one for one in found
-            if one.suffix.lower() in IMAGE_SUFFIXES and form.fullmatch(one.name)]  # fmt: skip
+    return [one for one in found if _is_picture(one) and form.fullmatch(one.name)]
+
+
+def _is_picture(path: Path) -> bool:
+    """Whether a file is a picture by its name; a companion `._name` of macOS is none."""
+    return path.suffix.lower() in IMAGE_SUFFIXES and not path.name.startswith("._")
 
 
 def _pattern_to_regex(part: str) -> str:

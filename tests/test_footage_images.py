@@ -19,6 +19,7 @@ from bluekoi.stages.freshness import file_states
 from bluekoi.stages.keypoints import unreadable_frames_remark
 from bluekoi.study import Study, StudySettings, missing_files
 from bluekoi.study.image_files import expand_source
+from bluekoi.study.trials_csv import read_trials
 
 HEADER = "trial_id,source,power_pct,head_angle_deg,head_length_m,fps\n"
 
@@ -117,8 +118,6 @@ def small_setup() -> StudySettings:
 
 
 def trials_of_folder(folder):
-    from bluekoi.study.trials_csv import read_trials
-
     findings: list = []
     trials = read_trials(folder / "trials.csv", findings)
     assert findings == []
@@ -213,3 +212,32 @@ def test_companions_that_macos_writes_are_no_pictures(folder):
     for name in ("T1", "T1/*.png"):
         assert len(expand_source(folder, name)) == 13
     assert len(expand_source(folder, "T1/*frame_%d.png")) == 12
+
+
+@pytest.mark.parametrize("name", ["T01.frames", "T01.mp4", "T01.csv", "T01.png", "T01.frames/"])
+def test_a_folder_of_pictures_may_have_any_name(folder, name):
+    (folder / "T1").rename(folder / name)
+    study = picture_study(folder, name)
+    (trial,) = study.trials
+    assert trial.reads_images
+    assert not trial.reads_keypoints
+    assert missing_files(study) == []
+    assert len(study.paths(trial)) == 13
+
+
+@pytest.mark.parametrize("name", ["br[1]", "what?", "50%d", "a*b"])
+def test_signs_of_a_pattern_may_be_in_the_name_of_a_folder(folder, name):
+    (folder / "T1").rename(folder / name)
+    for pattern in (f"{name}/frame_*.png", f"{name}/frame_%d.png", f"{name}/frame_[0-9]*.png"):
+        assert len(expand_source(folder, pattern)) == 12
+    assert len(expand_source(folder / name, "frame_*.png")) == 12
+    assert len(expand_source(folder, name)) == 13
+
+
+def test_sources_of_a_draft_are_relative_to_the_folder_of_the_study(folder, tmp_path_factory):
+    (folder / "T1").rename(folder / "T01.frames")
+    draft = tmp_path_factory.mktemp("draft") / "trials.csv"
+    draft.write_text(HEADER + "A,T01.frames,50,0,0.12,30\n")
+    findings: list = []
+    (trial,) = read_trials(draft, findings, root=folder)
+    assert (trial.source, findings) == ("T01.frames/", [])

@@ -63,7 +63,7 @@ def _validate_draft(
         for file, text in zip(STUDY_FILES, texts, strict=True):
             (Path(name) / file).write_text(text, encoding="utf-8")
         setup = read_study_settings(Path(name) / STUDY_FILES[0], findings)
-        trials = read_trials(Path(name) / STUDY_FILES[1], findings)
+        trials = read_trials(Path(name) / STUDY_FILES[1], findings, root=folder)
     findings = [replace(finding, file=Path(finding.file).name) for finding in findings]
     study = Study.model_construct(root=folder.resolve(), setup=setup, trials=tuple(trials))
     findings += missing_files(study)

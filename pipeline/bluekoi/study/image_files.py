@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -16,6 +17,16 @@ def is_image_source(name: str) -> bool:
     """
     suffix = Path(name).suffix.lower()
     return suffix in IMAGE_SUFFIXES or name.endswith("/") or not suffix
+
+
+def mark_folders(root: Path, source: str) -> str:
+    """A source with a slash after each name that looks like a file's and is a folder's."""
+    return ";".join(
+        f"{name.rstrip()}/"
+        if not is_image_source(name.strip()) and os.path.isdir(root / name.strip())
+        else name
+        for name in source.split(";")
+    )
 
 
 def natural_sort_key(name: str) -> list[tuple[int, int, str]]:
@@ -41,13 +52,16 @@ def expand_source(root: Path, name: str) -> tuple[Path, ...]:
 
 
 def _files_matching_pattern(path: Path) -> list[Path]:
-    """Pictures that a pattern stands for; a number is digits alone."""
+    """Pictures that a pattern stands for; a number is digits alone. The name of a folder that is
+    there is no pattern, whatever signs are in it.
+    """
     parts = path.relative_to(path.anchor).parts
-    fixed = next(i for i, part in enumerate(parts) if IMAGE_PATTERN.search(part))
-    base = Path(path.anchor, *parts[:fixed])
+    base, fixed = Path(path.anchor), 0
+    while fixed < len(parts) - 1 and (base / parts[fixed]).is_dir():
+        base, fixed = base / parts[fixed], fixed + 1
     shell = "/".join(re.sub(r"%0?\d*d", "*", part) for part in parts[fixed:])
     form = re.compile(_pattern_to_regex(parts[-1]), re.IGNORECASE)
-    found = base.glob(shell) if base.is_dir() else []
+    found = base.glob(shell)
     return [one for one in found if _is_picture(one) and form.fullmatch(one.name)]
 
 

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from ..errors import InputIssue, did_you_mean, unreadable_reason
 from ..files import binary_format, read_text
-from .image_files import is_image_source
+from .image_files import is_image_source, mark_folders
 from .types import KEYPOINT_SUFFIXES, VIDEO_SUFFIXES, Trial
 from .validation_messages import (
     DECIMAL_POINT_REMEDY,
@@ -30,11 +30,13 @@ OPEN_QUOTE_REMEDY = "Take the mark out, or close it."
 READ_ERRORS = (OSError, UnicodeDecodeError, csv.Error)
 
 
-def read_trials(path: Path, findings: list[InputIssue], *, only: str | None = None) -> list[Trial]:
+def read_trials(
+    path: Path, findings: list[InputIssue], *, only: str | None = None, root: Path | None = None
+) -> list[Trial]:
     """The good rows of a trials.csv; errors of the others go to `findings`.
 
     only: this trial's rows alone, if there are any: to check a thousand takes longer than to read
-    one trial's keypoints.
+    one trial's keypoints. root: folder to which the sources are relative, if not the file's own.
     """
     rows = _read_numbered_rows(path, findings)
     if not rows:
@@ -47,7 +49,8 @@ def read_trials(path: Path, findings: list[InputIssue], *, only: str | None = No
     of_trial = [row for row in rows[1:] if _trial_id_in_row(names, row[1]) == only]
     wanted = rows[1:] if only is None or not of_trial else of_trial
     trials = [
-        _parse_trial(str(path), number, names, row, findings=findings) for number, row in wanted
+        _parse_trial(path, root or path.parent, (number, names, row), findings)
+        for number, row in wanted
     ]
     known = [trial for trial in trials if trial is not None]
     ids = [(number, trial.trial_id)
@@ -148,8 +151,13 @@ def _header_findings(path: str, number: int, names: list[str]) -> list[InputIssu
 
 
 def _parse_trial(
-    path: str, number: int, names: list[str], row: list[str], *, findings: list[InputIssue]
+    file: Path, root: Path, numbered: tuple[int, list[str], list[str]], findings: list[InputIssue]
 ) -> Trial | None:
+    """The trial of a row; None where something is wrong, with the errors in `findings`.
+
+    numbered: the row's number, the names of the columns and the row's cells.
+    """
+    path, (number, names, row) = str(file), numbered
     if len(row) != len(names):
         where = f"row {number} ({row[0].strip()[:40]}), number of cells"
         expected = f"{len(names)}, as in the header"
@@ -157,6 +165,8 @@ def _parse_trial(
         findings.append(InputIssue(path, where, str(len(row)), expected, remedy))
         return None
     cells = {n: cell.strip() for n, cell in zip(names, row, strict=True) if cell.strip()}
+    if "source" in cells:
+        cells["source"] = mark_folders(root, cells["source"])
     try:
         trial = Trial.model_validate(cells)
     except ValidationError as error:

@@ -107,7 +107,8 @@ class Trial(Section):
     @property
     def reads_keypoints(self) -> bool:
         """Whether the source is a keypoint file rather than footage."""
-        return any(Path(name).suffix.lower() in KEYPOINT_SUFFIXES for name in self.sources)
+        files = [name for name in self.sources if not name.endswith("/")]
+        return any(Path(name).suffix.lower() in KEYPOINT_SUFFIXES for name in files)
 
     @property
     def reads_images(self) -> bool:

@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 
+import cv2
 import numpy as np
 import pytest
 import yaml
@@ -14,7 +15,7 @@ from click.testing import CliRunner
 
 from bluekoi.cli import main
 from bluekoi.footage import encode_h264
-from bluekoi.study import load_study
+from bluekoi.study import load_incomplete_study, load_study
 from small_studies import small_study
 
 MOTOR_LOG = "time_s,angle_deg\n" + "".join(f"{k / 200},{(k * 9) % 360}\n" for k in range(400))
@@ -79,6 +80,93 @@ def test_corners_are_read_off_before_anything_else_is_filled_in(lab_folder, monk
         done = bluekoi("pool", "lab", *words, "--out", "grid.png")
         assert done.exit_code == 0, done.output
         assert "pool_corners_px: [[u, v]" in done.output
+
+
+@pytest.fixture
+def unmarked_study(tmp_path):
+    """A study without corners: T01 is ten pictures, most of 640 x 360 px, T02 a brighter video."""
+    study = small_study(tmp_path / "study")
+    setup = yaml.safe_load((study / "study.yaml").read_text())
+    del setup["camera"]["pool_corners_px"]
+    (study / "study.yaml").write_text(yaml.safe_dump(setup))
+    (study / "T01").mkdir()
+    for k in range(10):
+        cv2.imwrite(str(study / f"T01/{k}.png"), np.full((360, 640, 3), 60, np.uint8))
+    cv2.imwrite(str(study / "T01/0.png"), np.full((90, 160, 3), 90, np.uint8))
+    light = [np.full((360, 640, 3), 120, np.uint8)] * 3
+    encode_h264(study / "T02.mp4", light, fps=30.0, size=(640, 360))
+    rows = ["T01,T01,,,,30", "T02,T02.mp4,,,,", "T03,keypoints/T10.csv,,,,"]
+    header = "trial_id,source,power_pct,head_angle_deg,head_length_m,fps"
+    (study / "trials.csv").write_text("\n".join([header, *rows]) + "\n")
+    return study
+
+
+@pytest.mark.parametrize(("words", "brightness"), [
+    ((), 60), (("--trial", "T01"), 60), (("--trial", "T02"), 120),
+])  # fmt: skip
+def test_the_ruled_frame_is_that_of_the_trial(unmarked_study, tmp_path, words, brightness):
+    out = tmp_path / "pool.png"
+    done = bluekoi("pool", unmarked_study, *words, "--out", out)
+    assert done.exit_code == 0, done.output
+    assert abs(np.median(cv2.imread(str(out))) - brightness) < 5
+
+
+@pytest.mark.parametrize(("name", "message"), [
+    ("NOPE", "no trial 'NOPE'; expected a known trial. Known: T01, T02, T03."),
+    ("T03", "no footage to draw on"),
+])  # fmt: skip
+def test_a_trial_without_a_frame_is_refused_also_without_corners(
+    unmarked_study, tmp_path, name, message
+):
+    done = bluekoi("pool", unmarked_study, "--trial", name, "--out", tmp_path / "pool.png")
+    assert done.exit_code == 1
+    assert message in done.output
+    assert not (tmp_path / "pool.png").exists()
+
+
+def test_a_picture_of_a_study_is_not_written_over_without_corners(unmarked_study):
+    before = (unmarked_study / "T01/5.png").read_bytes()
+    done = bluekoi("pool", unmarked_study, "T01/0.png", "--out", unmarked_study / "T01/5.png")
+    assert done.exit_code == 1
+    assert "a file of the study" in done.output
+    assert (unmarked_study / "T01/5.png").read_bytes() == before
+
+
+def test_the_lines_are_labelled_in_the_pixels_of_image_size_px(unmarked_study, tmp_path):
+    """A frame of a third of the size, 1920 x 1080: u lies at (u + 1/2) / 3 - 1/2."""
+    done = bluekoi("pool", unmarked_study, "--out", tmp_path / "pool.png")
+    assert "a line every 100 px" in done.output
+    assert "the frame has 640 x 360 px, image_size_px says 1920 x 1080" in done.output
+    drawn = cv2.imread(str(tmp_path / "pool.png"))
+    assert drawn.shape == (360, 640, 3)
+    columns = np.flatnonzero(drawn[208, :, 0] > 200)
+    np.testing.assert_array_equal(columns, np.round((np.arange(100, 1920, 100) + 0.5) / 3 - 0.5))
+
+
+@pytest.mark.parametrize(("size", "message"), [
+    ([1000, 1000], "1000 x 1000, but the frame has 640 x 360"),
+    ([1920], "width and height in pixels"),
+])  # fmt: skip
+def test_a_frame_that_is_not_the_picture_of_study_yaml_is_not_ruled(
+    unmarked_study, tmp_path, size, message
+):
+    setup = yaml.safe_load((unmarked_study / "study.yaml").read_text())
+    setup["camera"]["image_size_px"] = size
+    (unmarked_study / "study.yaml").write_text(yaml.safe_dump(setup))
+    done = bluekoi("pool", unmarked_study, "--out", tmp_path / "pool.png")
+    assert done.exit_code == 1
+    assert message in done.output
+    assert not (tmp_path / "pool.png").exists()
+
+
+def test_sources_of_an_incomplete_study_are_read_as_they_are(tmp_path):
+    long = "x" * 300
+    rows = ["trial_id,source,fps", f"A,{long}.mp4,x", "B,a\0b.mp4", "C,a.mp4;b.mp4,nan", "D"]
+    (tmp_path / "trials.csv").write_text("\n".join(rows) + "\n")
+    trials = load_incomplete_study(tmp_path).trials
+    assert [trial.sources for trial in trials] == [(), (), ("a.mp4", "b.mp4"), ()]
+    assert [trial.fps for trial in trials] == [None] * 4
+    assert load_incomplete_study(tmp_path / "none").trials == ()
 
 
 def test_init_takes_the_files_that_are_named_and_overwrites_nothing(lab_folder):

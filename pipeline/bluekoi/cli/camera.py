@@ -68,7 +68,7 @@ def calibrate(
     "--trial",
     "trial_id",
     type=TrialName(),
-    help="Trial to take the frame from. Default: the first row of trials.csv with a video.",
+    help="Trial to take the frame from. Default: the first row of trials.csv with footage.",
 )
 @click.option("--out", default="pool.png", show_default=True, type=click.Path(path_type=Path),
               help="Picture to write.")  # fmt: skip
@@ -85,24 +85,28 @@ def pool(
     """
     from ..camera.pixel_grid import frame_with_pixel_grid  # noqa: PLC0415
     from ..camera.pool_corner_check import pool_corners_picture  # noqa: PLC0415
-    from ..study import VIDEO_SUFFIXES, lacks_pool_corners, load_study  # noqa: PLC0415
+    from ..study import (  # noqa: PLC0415
+        lacks_pool_corners,
+        load_incomplete_study,
+        load_study,
+        stated_image_size_px,
+    )
 
     if frame and not frame.exists() and (study / frame).exists():
         frame = study / frame
     _refuse_overwriting(out, (".png",), (frame,) if frame else ())
+    refuse_outputs_over_study_files(study, (out,))
+    lacks_corners = lacks_pool_corners(study / "study.yaml")
+    loaded = load_incomplete_study(study) if lacks_corners else load_study(study)
+    if trial_id is not None:
+        loaded.trial(trial_id)
+    source, fps = (frame, None) if frame else _trial_footage(study, loaded, trial_id)
+    picture = _read_picture(source, fps=fps)
     confirmed = None
-    if not lacks_pool_corners(study / "study.yaml"):
-        refuse_outputs_over_study_files(study, (out,))
-    if lacks_pool_corners(study / "study.yaml"):
-        films = sorted(p for p in study.rglob("*") if p.suffix.lower() in VIDEO_SUFFIXES)
-        source = frame or (films[0] if films else None)
-        sentences = frame_with_pixel_grid(_read_picture(source or study / "trials.csv"), out)
+    if lacks_corners:
+        size_px = stated_image_size_px(study / "study.yaml")
+        sentences = frame_with_pixel_grid(picture, out, size_px)
     else:
-        loaded = load_study(study)
-        if trial_id is not None:
-            loaded.trial(trial_id)
-        source, fps = (frame, None) if frame else _trial_footage(study, loaded, trial_id)
-        picture = _read_picture(source, fps=fps)
         check = pool_corners_picture(picture, loaded.setup, out)
         sentences, confirmed = check.sentences, check.confirmed
     for sentence in sentences:
@@ -131,17 +135,28 @@ def _refuse_overwriting(out: Path, suffixes: tuple[str, ...], inputs: Sequence[P
 
 
 def _trial_footage(folder: Path, study: Study, trial_id: str | None) -> tuple[Path, float | None]:
-    """First file and frame rate of the named trial's film, or of the first filmed trial's."""
+    """First file and frame rate of the named trial's film, or of the first filmed trial's; without
+    a filmed trial, the first video in a folder whose study.yaml is still incomplete.
+    """
     from ..errors import input_error  # noqa: PLC0415
+    from ..footage import open_recording  # noqa: PLC0415
+    from ..footage.image_recording import all_are_images  # noqa: PLC0415
+    from ..study import VIDEO_SUFFIXES  # noqa: PLC0415
 
-    filmed = [trial for trial in study.trials if not trial.reads_keypoints]
-    if trial_id is not None:
-        filmed = [study.trial(trial_id)]
-    if not filmed or filmed[0].reads_keypoints:
+    named = study.trials if trial_id is None else (study.trial(trial_id),)
+    filmed = [trial for trial in named if trial.sources and not trial.reads_keypoints]
+    if not filmed and trial_id is None and study.setup is None:
+        films = (p for p in folder.rglob("*") if p.suffix.lower() in VIDEO_SUFFIXES)
+        if film := min(films, default=None):
+            return film, None
+    if not filmed:
         raise input_error(folder / "trials.csv", "", "no footage to draw on",
-                          "a trial with a video",
+                          "a trial with a video or pictures",
                     "Or name a picture: bluekoi pool STUDY FRAME.")  # fmt: skip
-    return study.paths(filmed[0])[0], filmed[0].fps
+    paths = study.paths(filmed[0])
+    if all_are_images(paths):  # the first of the size that the recording has, at whatever rate
+        paths = open_recording(paths, fps=filmed[0].fps or 1.0).paths
+    return paths[0], filmed[0].fps
 
 
 def _read_picture(path: Path, *, fps: float | None = None) -> Any:

@@ -249,7 +249,7 @@ def trial_problems(trial: Trial) -> list[SettingInconsistency]:
             key, f"a path of {len(text)} characters", f"names of {MAX_NAME_BYTES} bytes at most"
         )
         for key, text in (("source", trial.source), ("motor_log", trial.motor_log or ""))
-        if any(_is_too_long(path) for path in text.split(";"))
+        if any(is_too_long_path(path) for path in text.split(";"))
     ]
     if (trial.reads_keypoints or trial.reads_images) and trial.fps is None:
         kind = "a keypoint file" if trial.reads_keypoints else "pictures"
@@ -270,6 +270,7 @@ def trial_problems(trial: Trial) -> list[SettingInconsistency]:
     return problems
 
 
-def _is_too_long(path: str) -> bool:
+def is_too_long_path(path: str) -> bool:
+    """Whether no file system holds a path of that length."""
     names = [part.encode("utf-8", "surrogateescape") for part in path.strip().split("/")]
     return max(map(len, names)) > MAX_NAME_BYTES or sum(map(len, names)) > MAX_PATH_BYTES

@@ -55,7 +55,16 @@ def recording_over_study_pixel_scale(
     setup: StudySettings, size_px: tuple[int, int] | None, name: str = "the recording"
 ) -> float:
     """How many times larger the recording is than the picture study.yaml speaks of."""
-    declared = setup.camera.image_size_px
+    return scale_over_declared_size(setup.camera.image_size_px, size_px, name)
+
+
+def scale_over_declared_size(
+    declared: tuple[int, int] | None, size_px: tuple[int, int] | None, name: str
+) -> float:
+    """How many times larger a recording of this name is than the declared image_size_px.
+
+    Raises: InputError where it is not scaled alike in both directions.
+    """
     if size_px is None or declared is None or tuple(size_px) == tuple(declared):
         return 1.0
     ratios = [size_px[0] / declared[0], size_px[1] / declared[1]]

@@ -10,7 +10,7 @@ from ..files import found_instead_of_file
 from .consistency_rules import length_unit_remedy
 from .image_files import IMAGE_SUFFIXES
 from .study_yaml import read_study_settings
-from .trials_csv import read_trials
+from .trials_csv import read_incomplete_trials, read_trials
 from .types import Study, StudySettings, Trial
 
 
@@ -41,6 +41,15 @@ def load_study(folder: str | Path, *, only: str | None = None) -> Study:
     if findings or setup is None:
         raise InputError(findings)
     return Study(root=root.resolve(), setup=setup, trials=tuple(trials))
+
+
+def load_incomplete_study(folder: str | Path) -> Study:
+    """Study of which only the sources of the trials are known, unchecked: study.yaml is not read,
+    and cells of trials.csv, or all of it, may be missing.
+    """
+    root = Path(folder)
+    trials = tuple(read_incomplete_trials(root / "trials.csv"))
+    return Study.model_construct(root=root.resolve(), setup=None, trials=trials)
 
 
 def _head_length_issues(

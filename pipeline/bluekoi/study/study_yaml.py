@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from ..data.unique_yaml import load_yaml_without_duplicates
-from ..errors import InputIssue, unreadable_reason
+from ..errors import InputIssue, input_error, unreadable_reason
 from ..files import read_text
-from .setup import StudySettings
+from .setup import ImageSize, StudySettings
 from .validation_messages import findings_from_validation_error, shortened_repr
 
 MAX_YAML_BYTES = 250_000
@@ -39,6 +39,22 @@ def lacks_pool_corners(path: Path) -> bool:
     given = camera if isinstance(camera, dict) else {}
     known = ("pool_corners_px", "homography")
     return content is not None and all(given.get(name) is None for name in known)
+
+
+def stated_image_size_px(path: Path) -> tuple[int, int] | None:
+    """The image_size_px of a study.yaml that may be incomplete; None where it says nothing.
+
+    Raises: InputError where it is no size.
+    """
+    content = _yaml_content(path, []) or {}
+    camera = content.get("camera")
+    given = camera.get("image_size_px") if isinstance(camera, dict) else None
+    try:
+        return TypeAdapter(ImageSize | None).validate_python(given)
+    except ValidationError as error:
+        raise input_error(
+            path, "camera.image_size_px", shortened_repr(given), "width and height in pixels"
+        ) from error
 
 
 def _yaml_content(path: Path, findings: list[InputIssue]) -> dict[str, Any] | None:

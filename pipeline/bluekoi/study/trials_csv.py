@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections import Counter
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from pydantic import ValidationError
 
 from ..errors import InputIssue, did_you_mean, unreadable_reason
 from ..files import binary_format, read_text
+from .consistency_rules import is_too_long_path
 from .image_files import is_image_source, mark_folders
 from .types import KEYPOINT_SUFFIXES, VIDEO_SUFFIXES, Trial
 from .validation_messages import (
@@ -59,6 +61,38 @@ def read_trials(
     if only is None and known and all(trial.role == "held_out" for trial in known):
         findings.append(InputIssue(str(path), "role", "every trial held out", "one or more to fit"))
     return known
+
+
+def read_incomplete_trials(path: Path) -> list[Trial]:
+    """Trials of a trials.csv in which cells may be empty or wrong: trial_id, source, motor_log and
+    fps alone, unchecked.
+    """
+    rows = _read_numbered_rows(path, [])
+    names = [cell.strip() for cell in rows[0][1]] if rows else []
+    cells = [dict(zip(names, map(str.strip, row), strict=False)) for _, row in rows[1:]]
+    return [
+        Trial.model_construct(
+            trial_id=row.get("trial_id", ""),
+            source=mark_folders(path.parent, _openable(row.get("source", ""))),
+            motor_log=_openable(row.get("motor_log", "")) or None,
+            fps=_positive_number(row.get("fps", "")),
+        )
+        for row in cells
+    ]
+
+
+def _openable(source: str) -> str:
+    """A source without the names that no file can have."""
+    names = source.split(";")
+    return ";".join(name for name in names if "\0" not in name and not is_too_long_path(name))
+
+
+def _positive_number(text: str) -> float | None:
+    try:
+        found = float(text)
+    except ValueError:
+        return None
+    return found if 0 < found < math.inf else None
 
 
 def _trial_id_in_row(names: list[str], row: list[str]) -> str | None:

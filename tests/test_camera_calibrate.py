@@ -197,6 +197,46 @@ def test_photographs_in_camera_yaml_and_picture_out(tmp_path):
     assert (tmp_path / "camera.png").stat().st_size > 10_000
 
 
+@pytest.fixture
+def board_photographs(tmp_path):
+    flat, scale = chessboard_picture()
+    paths = [tmp_path / f"{i}.png" for i in range(12)]
+    for path, pose in zip(paths, board_poses(12), strict=True):
+        cv2.imwrite(str(path), warped_board(flat, scale, pose))
+    return paths
+
+
+@pytest.mark.parametrize("name", ["camera.yaml", "camera.png"])
+def test_a_folder_in_the_place_of_a_result_leaves_nothing(board_photographs, tmp_path, name):
+    (tmp_path / name).mkdir()
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(InputError, match=f"{name}: --out: found a folder"):
+        calibrate_files(board_photographs, model="pinhole", out=tmp_path / "camera.yaml")
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_picture_that_cannot_be_drawn_leaves_no_camera_section(
+    board_photographs, tmp_path, monkeypatch
+):
+    def no_room(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("bluekoi.camera.lens_calibration.draw_calibration", no_room)
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(InputError, match="No space left"):
+        calibrate_files(board_photographs, model="pinhole", out=tmp_path / "camera.yaml")
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize(("count", "found"), [(1, "only 1 view;"), (3, "only 3 views;")])
+def test_too_few_photographs_are_one_message(board_photographs, tmp_path, count, found):
+    with pytest.raises(InputError) as caught:
+        calibrate_files(board_photographs[:count], out=tmp_path / "camera.yaml")
+    (finding,) = caught.value.findings
+    assert finding.found == f"{found} at least 8 are needed"
+    assert "Take 15 or more pictures" in finding.remedy
+
+
 def test_a_video_is_as_good_as_photographs(tmp_path):
     flat, scale = chessboard_picture()
     path = tmp_path / "board.avi"

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..data import Float
 from ..errors import InputError, InputIssue, input_error
-from ..files import write_text
+from ..files import atomic_write, write_text
 from .board_pictures import BoardViews, find_board_views, read_grey_pictures
 from .boards import BoardView, read_board
 from .calibration_picture import draw_calibration
@@ -20,12 +20,14 @@ from .gyroflow_profile import read_lens_profile
 from .image_circle import ImageCircle
 from .lens import LENS_MODELS, Lens
 from .lens_selection import (
+    MIN_BOARD_VIEWS,
     MODELS_COMPARED,
     LensCandidate,
     fit_lens_candidate,
     image_coverage,
     opencv_held_out_rms,
     select_lens,
+    too_few_views_reason,
 )
 
 MIN_IMAGE_COVERAGE_SHARE = 0.6
@@ -75,12 +77,17 @@ def calibrate_files(
     corners, `9x6`. model: auto, pinhole or fisheye; auto takes the least error on views held out.
     The picture shows coverage and residuals; its name is `out` with the ending .png.
 
-    Raises: InputError with every reason why the calibration cannot be right.
+    Both files are written, or neither. Raises: InputError with every reason why the calibration
+    cannot be right.
     """
-    paths = [Path(path) for path in images]
+    paths, target = [Path(path) for path in images], Path(out)
+    is_profile = [path.suffix.lower() for path in paths] == [".json"]
+    for path in (target,) if is_profile else (target, target.with_suffix(".png")):
+        if path.is_dir():
+            raise input_error(path, "--out", "a folder", "the name of a file to write")
     if not paths:
         raise input_error("calibrate", "", "no pictures", "photographs or videos of a board")
-    if [path.suffix.lower() for path in paths] == [".json"]:
+    if is_profile:
         if model not in ("auto", "fisheye"):
             raise input_error("--model", "", f"'{model}'", "fisheye, as lens profiles are, or auto")
         result = calibration_from_lens_profile(paths[0])
@@ -90,9 +97,9 @@ def calibrate_files(
     found = find_board_views(read_grey_pictures(paths, wanted), wanted)
     best, candidates = select_lens_model(found.views, model, found.size_px, found.circle)
     result = _calibration_result(best, candidates, found)
-    target = Path(out)
-    draw_calibration(target.with_suffix(".png"), best, candidates, found.circle)
-    write_text(target, camera_section(result))
+    with atomic_write(target) as temporary:
+        temporary.write_text(camera_section(result), encoding="utf-8")
+        draw_calibration(target.with_suffix(".png"), best, candidates, found.circle)
     return result
 
 
@@ -105,6 +112,8 @@ def select_lens_model(
     """
     if model not in ("auto", *LENS_MODELS):
         raise input_error("--model", "", f"'{model}'", f"one of auto, {', '.join(LENS_MODELS)}")
+    if len(views) < MIN_BOARD_VIEWS:
+        raise InputError(_all_models_refused_error([], len(views), circle))
     candidates: list[LensCandidate] = []
     for name, terms in MODELS_COMPARED:
         simpler = [c.fit.lens for c in candidates if c.model == name]
@@ -227,6 +236,8 @@ def _all_models_refused_error(
             reasons.setdefault(reason, []).append(candidate.label)
     if not reasons:
         found = f"{views} views that no starting focal length suits"
+        if views < MIN_BOARD_VIEWS:
+            found = too_few_views_reason(views)
         return [InputIssue("calibrate", "", found, expected, remedy)]
     if circle:
         remedy = f"The pictures show an {circle.text}. {remedy}"

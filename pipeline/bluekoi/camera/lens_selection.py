@@ -139,8 +139,7 @@ def lens_fit_refusal_reasons(
     tilts = board_tilts_deg(fit.poses)
     tilted = int(np.sum(tilts > MIN_BOARD_TILT_DEG))
     checks = {
-        f"only {len(fit.poses)} views; at least {MIN_BOARD_VIEWS} are needed": len(fit.poses)
-        < MIN_BOARD_VIEWS,
+        too_few_views_reason(len(fit.poses)): len(fit.poses) < MIN_BOARD_VIEWS,
         f"the boards are seen frontally: {tilted} of {len(tilts)} tilted by more than "
         f"{MIN_BOARD_TILT_DEG:.0f} degrees, which leaves the focal length open": tilted
         < MIN_TILTED_VIEWS,
@@ -149,6 +148,11 @@ def lens_fit_refusal_reasons(
     }
     found = [reason for reason, applies in checks.items() if applies]
     return [*found, *lens_implausibilities(fit.lens, size_px, fit.rms_px, circle)]
+
+
+def too_few_views_reason(views: int) -> str:
+    """The reason that refuses a calibration from so few views."""
+    return f"only {views} view{'' if views == 1 else 's'}; at least {MIN_BOARD_VIEWS} are needed"
 
 
 def lens_implausibilities(

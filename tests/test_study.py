@@ -218,6 +218,12 @@ def test_a_negative_power_is_perhaps_a_head_angle(tmp_path):
             "letters, digits, _ and -",
         ),
         (["T01,../T01.csv,100,30,0.12,30,,,,"], "row 2 (T01), source", "without '..'"),
+        (
+            ["T01,k\0.csv,100,30,0.12,30,,,,"],
+            "row 2 (T01), source",
+            "without NUL characters (\\x00)",
+        ),
+        (["T01,k.csv,100,30,0.12,30,m\0,,,"], "row 2 (T01), motor_log", "without NUL characters"),
         (["T01,T01/*.png,100,30,0.12,,,,,"], "row 2 (T01), fps", "fps is required"),
         (["T01,a.mp4;T01/*.png,100,30,0.12,30,,,,"], "row 2 (T01), source", "videos or pictures"),
         (["T01,k.csv,100,30,0.12,30,../m.csv,,,"], "row 2 (T01), motor_log", "without '..'"),
@@ -382,10 +388,16 @@ def test_hundred_thousand_unknown_columns_are_a_few_lines(tmp_path):
     assert len(text.splitlines()) < 10
 
 
-def test_a_number_with_an_underscore_is_refused(tmp_path):
-    study = write_study(tmp_path, rows=("T01,k.csv,100,30,0.12,2_5,,,,",))
+@pytest.mark.parametrize("column", [
+    "power_pct", "head_angle_deg", "head_length_m", "fps", "start_s", "end_s", "flap_hz",
+    "start_x_px", "start_y_px",
+])  # fmt: skip
+def test_a_number_with_an_underscore_is_refused(tmp_path, column):
+    cells = {"trial_id": "T01", "source": "k.csv", "power_pct": "100", "head_angle_deg": "30",
+             "head_length_m": "0.12", "fps": "25", column: "2_5"}  # fmt: skip
+    study = write_study(tmp_path, header=",".join(cells), rows=(",".join(cells.values()),))
     with pytest.raises(
-        InputError, match=r"fps: found '2_5'; expected a number without underscores"
+        InputError, match=rf"{column}: found '2_5'; expected a number without underscores"
     ):
         load_study(study)
 

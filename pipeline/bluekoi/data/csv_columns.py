@@ -62,6 +62,9 @@ def _parse_row(path: str | Path, number: int, line: str, width: int) -> list[flo
     cells = line.split(",")
     if len(cells) != width:
         raise input_error(path, f"row {number}", f"{len(cells)} cells", f"{width} cells")
+    if "_" in line:  # which Python's float leaves out: 1_000
+        found = next(cell for cell in cells if "_" in cell)
+        raise input_error(path, f"row {number}", repr(found), "a number without underscores")
     try:
         return [float(cell) if cell else math.nan for cell in cells]
     except ValueError:  # as a cell with quotes or blanks, which are rare

@@ -27,6 +27,7 @@ NumberedCells = list[tuple[int, list[str]]]
 MAX_LISTED_COLUMNS, MAX_SHOWN_NAME = 5, 40
 """Unknown columns that are listed one by one, and characters of a name that are compared."""
 PATH_RULE = "a path without '..': relative to the study folder, or absolute"
+NUL_RULE = "a path without NUL characters (\\x00), which no file name has"
 SAVE_REMEDY = "Save it as CSV UTF-8."
 OPEN_QUOTE_REMEDY = "Take the mark out, or close it."
 READ_ERRORS = (OSError, UnicodeDecodeError, csv.Error)
@@ -214,7 +215,7 @@ def _parse_trial(
 def _path_findings(path: str, row: str, trial: Trial) -> list[InputIssue]:
     named = [*(("source", s) for s in trial.sources), ("motor_log", trial.motor_log or "")]
     found = [
-        InputIssue(path, f"{row}, {column}", repr(name), PATH_RULE)
+        InputIssue(path, f"{row}, {column}", repr(name), NUL_RULE if "\0" in name else PATH_RULE)
         for column, name in named
         if ".." in Path(name).parts or "\0" in name
     ]

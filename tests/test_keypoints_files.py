@@ -175,6 +175,7 @@ def test_part_of_the_recording(tmp_path):
         (lambda rows: rows[1:], "no row 'scorer'"),
         (lambda rows: [*rows, rows[3][:-1]], "row 8: found 15 cells"),
         (lambda rows: [*rows[:5], ["2", "abc", *rows[5][2:]]], "row 6, head_tip x: found 'abc'"),
+        (lambda rows: [*rows[:5], ["2", "1_00", *rows[5][2:]]], "row 6, head_tip x: found '1_00'"),
         (lambda rows: [*rows[:-1], ["3000000000", *rows[-1][1:]]], "frame 3000000000 after"),
         (lambda rows: [*rows[:-1], ["1000.5", *rows[-1][1:]]], "frame 1000.5"),
         (lambda rows: [[";".join(r)] for r in rows], "separated by semicolons"),

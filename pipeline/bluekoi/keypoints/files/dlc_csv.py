@@ -120,7 +120,7 @@ def _parse_cells(
                 path, f"row {number}", f"{len(row)} cells", f"{width} cells, as the header", remedy
             )
     try:
-        return np.array([[float(cell or "nan") for cell in row[first:]] for _, row in body])
+        return np.array([[_number_of_cell(cell) for cell in row[first:]] for _, row in body])
     except ValueError:
         raise _not_a_number_error(path, body, first, header) from None
 
@@ -131,8 +131,15 @@ def _not_a_number_error(
     for number, row in body:
         for i, cell in enumerate(row[first:], start=first):
             try:
-                float(cell or "nan")
+                _number_of_cell(cell)
             except ValueError:
                 place = f"row {number}, {header['bodyparts'][i]} {header['coords'][i]}"
                 return input_error(path, place, f"'{cell[:60]}'", "a number or an empty cell")
     return input_error(path, "", "a cell that is no number", "numbers")
+
+
+def _number_of_cell(cell: str) -> float:
+    """A cell's number, NaN for an empty one. Raises: ValueError for another text, also 1_000."""
+    if "_" in cell:
+        raise ValueError(cell)
+    return float(cell or "nan")

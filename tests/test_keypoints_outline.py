@@ -109,9 +109,9 @@ def test_a_nose_is_seen_as_far_back_as_its_template_says(exponent, within):
         place = (*centre, np.cos(angle), np.sin(angle))
         floor = np.full_like(luma, 180)
         offsets.append(edge_offset((luma, floor), place, 60.0, np.empty((2, 17)))[0])
-    aside = np.array([0.0, 4.0, 8.0])
-    ahead = 10.0 - 1.5 * (aside / 4.0) ** exponent
-    loss = nose_loss_by_blur(np.arctan2(aside, ahead), np.hypot(ahead, aside), 0.5)
+    lateral = np.array([0.0, 4.0, 8.0])
+    axial = 10.0 - 1.5 * (lateral / 4.0) ** exponent
+    loss = nose_loss_by_blur(np.arctan2(lateral, axial), np.hypot(axial, lateral), 0.5)
     assert np.mean(offsets) == pytest.approx(-loss, abs=within)
 
 

@@ -163,7 +163,7 @@ def test_a_start_where_no_robot_lies_finds_none_and_says_so():
         lambda: film, setup, trial.model_copy(update={"start_x_px": 3.0, "start_y_px": 3.0})
     )
     assert not np.isfinite(found.xy_px).any()
-    assert any("no body like the robot lies at start_x_px 3" in text for text in found.remarks)
+    assert any("no robot was found at start_x_px 3" in text for text in found.remarks)
 
 
 def test_a_second_robot_in_the_picture_is_reported():

@@ -64,8 +64,8 @@ def check(study: Path) -> None:
         def progress(share: float) -> None:
             wait.share = share
 
-        unreadable, statuses, said = check_files(loaded, progress)
-    warnings = [*recording_warnings(loaded, said), *trial_warnings(loaded, statuses)]
+        unreadable, statuses, recording_remarks = check_files(loaded, progress)
+    warnings = [*recording_warnings(loaded, recording_remarks), *trial_warnings(loaded, statuses)]
     for remark in remarks:
         click.echo(f"{study / 'study.yaml'}: {remark}")
     for warning in warnings:

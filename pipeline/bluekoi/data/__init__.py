@@ -8,7 +8,7 @@ motion: poses/ID.csv and tracks/ID.csv
 """
 
 from .csv_columns import read_columns, write_columns
-from .frame_sampling import evenly_spaced_of, with_copied_luma
+from .frame_sampling import sample_evenly, with_copied_luma
 from .keypoint_quality import (
     MIN_KEYPOINT_LIKELIHOOD,
     MIN_POSE_FRAMES,

@@ -1,4 +1,4 @@
-"""A few frames, evenly spaced, of a film whose length is known only at its end."""
+"""Evenly spaced frames of a film whose length is known only at its end."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from .types import Frame
 
 
-def evenly_spaced_of(film: Iterable[Frame], count: int) -> list[Frame]:
+def sample_evenly(film: Iterable[Frame], count: int) -> list[Frame]:
     """About `count` frames spread over a film that is run through once, their luma copied.
 
     Every k-th frame is kept, and k doubled when there are too many.
@@ -27,5 +27,5 @@ def evenly_spaced_of(film: Iterable[Frame], count: int) -> list[Frame]:
 
 
 def with_copied_luma(frame: Frame) -> Frame:
-    """The frame with a luma of its own, which outlives the decoder's picture."""
+    """The frame with a copy of its luma, which remains valid after the next frame is decoded."""
     return Frame(frame.index, frame.time_s, np.array(frame.luma))

@@ -11,7 +11,7 @@ import av
 import av.error
 import numpy as np
 
-from ..data import Frame, evenly_spaced_of
+from ..data import Frame, sample_evenly
 from .image_recording import image_frames
 from .luma_planes import Luma, luma_plane
 from .prefetch import MIN_BUFFERED_ITEMS, Prefetcher
@@ -111,7 +111,7 @@ def evenly_spaced_frames(
     keys = [(i, key) for i, stamps in enumerate(recording.key_stamps) for key in stamps]
     keys = [(i, key) for i, key in keys if _lies_in_wanted_part(recording, i, key)]
     if len(keys) < count:
-        yield from evenly_spaced_of(_iterate_frames(recording, False, {}), count)
+        yield from sample_evenly(_iterate_frames(recording, False, {}), count)
         return
     wanted = max(1, count, min(at_most, len(keys)))
     chosen = [keys[j] for j in np.linspace(0, len(keys) - 1, wanted).round().astype(int)]

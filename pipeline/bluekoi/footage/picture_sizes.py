@@ -38,12 +38,12 @@ def unused_picture_remarks(
         return (False,) * len(paths), ()
     usual, _ = Counter(known).most_common(1)[0]
     found = []
-    odd = [(path, size) for path, size in zip(paths, sizes, strict=True)
+    other = [(path, size) for path, size in zip(paths, sizes, strict=True)
            if size is not None and size != usual]  # fmt: skip
-    if odd:
-        names = _listed([f"{path.name} ({_size_text(size)})" for path, size in odd])
+    if other:
+        names = _listed([f"{path.name} ({_size_text(size)})" for path, size in other])
         found.append(
-            f"{_share_text(len(odd), len(paths))} not used, expected {_size_text(usual)} as in "
+            f"{_share_text(len(other), len(paths))} not used, expected {_size_text(usual)} as in "
             f"most of them: {names}"
         )
     if broken := [path.name for path, size in zip(paths, sizes, strict=True) if size is None]:

@@ -215,11 +215,11 @@ def _support_score(outline: LearnedTemplate | None) -> float:
 
 
 def _no_robot_at_start_remark(fits: Sequence[OutlineFit | None], trial: Trial) -> tuple[str, ...]:
-    """A remark where the place at which the robot is said to start shows none."""
+    """A remark if no robot was found at the stated start."""
     if trial.start_px is None or any(fits):
         return ()
     u, v = trial.start_px
-    text = f"no body like the robot lies at start_x_px {u:g}, start_y_px {v:g} in the first frames"
+    text = f"no robot was found at start_x_px {u:g}, start_y_px {v:g} in the first frames"
     return (text,)
 
 

@@ -13,7 +13,7 @@ from .draft import Draft
 
 
 def parse_request(body: bytes) -> dict[str, Any]:
-    """The json object in the body of a request. Raises: InputError where there is none."""
+    """The JSON object in the body of a request. Raises: InputError for any other content."""
     try:
         content = json.loads(body)
     except (ValueError, RecursionError) as error:

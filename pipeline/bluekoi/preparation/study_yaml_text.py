@@ -27,7 +27,7 @@ REQUIRED_KEYS = {key.name for key in setting_keys() if key.default == "required"
 
 
 def yaml_document(folder: Path, text: str | None) -> CommentedMap:
-    """study.yaml with its comments; the blank one where there is none."""
+    """study.yaml with its comments; without a text, the blank template."""
     try:
         content = _round_trip_yaml().load(blank_study_yaml() if text is None else text)
     except (YAMLError, ValueError, RecursionError) as error:
@@ -56,7 +56,7 @@ def flattened_values(content: Mapping[str, Any]) -> dict[str, str]:
 
 
 def edited_study_yaml(folder: Path, text: str | None, values: Mapping[str, str]) -> str:
-    """The text with what `values` say; lines that say the same stay as they are.
+    """The text with `values` applied; unchanged lines keep their formatting.
 
     Raises: InputError where the text cannot be read as yaml.
     """
@@ -74,7 +74,7 @@ def edited_study_yaml(folder: Path, text: str | None, values: Mapping[str, str])
     _update_document(content, given)
     edited = _dumped(content, whole)
     kept = with_lines_kept(whole, plain, edited)
-    return kept if _says_the_same(kept, edited) else edited
+    return kept if _has_same_content(kept, edited) else edited
 
 
 def without_entries(text: str, names: Collection[str], emptied: Collection[str] = ()) -> str:
@@ -154,7 +154,7 @@ def _dumped(content: CommentedMap, like: str) -> str:
     return out.getvalue()
 
 
-def _says_the_same(text: str, other: str) -> bool:
+def _has_same_content(text: str, other: str) -> bool:
     """Whether two texts of study.yaml have the same content."""
     try:
         first, second = (_builtin_types(_round_trip_yaml().load(one)) for one in (text, other))
@@ -188,7 +188,7 @@ def _builtin_types(value: Any) -> Any:
 
 
 def _changed_values(content: CommentedMap, given: Mapping[str, str]) -> dict[str, str]:
-    """Those of `given` that the document does not say."""
+    """Those of `given` that differ from the document."""
     before = flattened_values(content)
     return {name: text for name, text in given.items() if before.get(name) != text}
 
@@ -209,7 +209,7 @@ def _reshaped_lists(content: CommentedMap, given: Mapping[str, str]) -> set[str]
 
 
 def _update_document(content: CommentedMap, given: Mapping[str, str]) -> None:
-    """Make the document say what `given` says; a required key without a value stays, empty."""
+    """Apply `given` to the document; a required key without a value stays, empty."""
     for name in flattened_values(content).keys() - given.keys():
         section, _, key = name.partition(".")
         parent = content[section] if key else content

@@ -101,8 +101,8 @@ def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoin
     )
     short = recording.frames_present < recording.frames_declared and trial.end_s is None
     unreadable = unreadable_frames_remark(trial, recording, found.time_s)
-    said = [text for text in recording.remarks if not (short and CUT_SHORT in text)]
-    return replace(found, remarks=(*said, *found.remarks, *unreadable)), {
+    recorded = [text for text in recording.remarks if not (short and CUT_SHORT in text)]
+    return replace(found, remarks=(*recorded, *found.remarks, *unreadable)), {
         "source": study.setup.detection.source,
         "frames_declared": recording.frames_declared,
         "size_px": list(recording.size_px),

@@ -22,8 +22,8 @@ RUN_ENVIRONMENT_VARIABLE = "BLUEKOI_RUN"
 
 
 def record_file_states(study: Study, results: Path, *, made_by_run: bool = False) -> None:
-    """Keep size and date of each file of a study as a run begins; none where the run itself makes
-    them, as those of the demo.
+    """Keep size and date of each file of a study as a run begins. made_by_run: the run itself
+    renders the files, as it does for the demo; then nothing is kept.
     """
     states = {} if made_by_run else _file_sizes_and_times(study)
     write_json(_file_record_at_start_path(results), states)

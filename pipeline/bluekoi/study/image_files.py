@@ -66,7 +66,7 @@ def _files_matching_pattern(path: Path) -> list[Path]:
 
 
 def _is_picture(path: Path) -> bool:
-    """Whether a file is a picture by its name; a companion `._name` of macOS is none."""
+    """Whether a file name is that of a picture; macOS companion files `._name` are excluded."""
     return path.suffix.lower() in IMAGE_SUFFIXES and not path.name.startswith("._")
 
 

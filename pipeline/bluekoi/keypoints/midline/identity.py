@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..outline.intended_body import MAX_SEARCH_RADIUS_LENGTHS
+from ..outline.target_body import MAX_SEARCH_RADIUS_LENGTHS
 from .midline_fit import BendingTemplate, midline
 from .track import BodyFitHistory, MidlineFit
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...data import Float, Frame
 from ..outline.background import LumaPicture
-from ..outline.intended_body import START_TOLERANCE_LENGTHS, search_radius_lengths
+from ..outline.target_body import START_TOLERANCE_LENGTHS, search_radius_lengths
 from .blobs import BackgroundModel, Blob, ReducedImage, candidate_poses, find_blobs, reduced_image
 from .identity import (
     body_distance,

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from ...data import Frame, SeekableFilm, evenly_spaced_of, with_copied_luma
+from ...data import Frame, SeekableFilm, sample_evenly, with_copied_luma
 from ...vector_width import njit
 
 LumaPicture = npt.NDArray[np.uint8]
@@ -23,7 +23,7 @@ def sample_frames(film: Iterable[Frame], count: int, at_most: int = 0) -> list[F
     """
     if isinstance(film, SeekableFilm):
         return [with_copied_luma(frame) for frame in film.evenly_spaced(count, at_most)]
-    return evenly_spaced_of(film, max(count, at_most))
+    return sample_evenly(film, max(count, at_most))
 
 
 def median_image(images: Sequence[LumaPicture]) -> LumaPicture:

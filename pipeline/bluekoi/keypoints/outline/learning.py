@@ -22,8 +22,8 @@ from .tracking import (
 )
 
 SEARCH_LENGTHS_BL = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
-SETTLING_STEPS = 3
-"""Last of these steps, with which a template settles that was learned in nearly the same scene."""
+RELEARNING_STEPS = 3
+"""Number of these steps, from the last, for a template that was learned in a similar scene."""
 AREA_PER_LENGTH_SQUARED = 0.16
 GOOD_SUPPORT = 0.9
 MIN_BEND_RAD = 0.15
@@ -97,7 +97,7 @@ def relearned_template(
     """
     if outline.support > GOOD_SUPPORT:
         again = _refine_template(
-            list(outline.samples), scene, outline.template, SEARCH_LENGTHS_BL[-SETTLING_STEPS:]
+            list(outline.samples), scene, outline.template, SEARCH_LENGTHS_BL[-RELEARNING_STEPS:]
         )
         if again.support > GOOD_SUPPORT:
             return again

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from .background import LumaPicture
 from .blob_detection import Blob
-from .intended_body import IntendedBody
 from .learning import LearnedTemplate, robot_sized_blobs
+from .target_body import TargetBody
 from .template import OutlineTemplate
 from .tracking import DetectionScene, OutlineFit, best_fit_of_blobs
 
@@ -52,7 +52,7 @@ def _fit_second_body(
     """A good fit to a blob that lies a body's length from the robot."""
     apart = template.head_bl + template.core_bl
     others = [blob for blob in seen if _distance_bl(blob, one) > apart]
-    return best_fit_of_blobs(others, luma, scene, IntendedBody(template, None), template.shape())
+    return best_fit_of_blobs(others, luma, scene, TargetBody(template, None), template.shape())
 
 
 def _distance_bl(blob: Blob, one: OutlineFit) -> float:

@@ -78,11 +78,11 @@ def picture_blur_px(
     template: OutlineTemplate,
     offsets_bl: Float,
 ) -> float:
-    """Blur (rms) across the sides of the head, of the picture and of its reading, px.
+    """Lateral blur (rms) at the sides of the head, interpolation between pixels included, px.
 
-    Half the way over which the median coverage of the sides' edges falls from 0.84 to 0.16: of a
-    Gaussian blur, its standard deviation. Along the head the motion of an exposure blurs as well,
-    which moves no edge on the way.
+    Half the distance over which the median coverage of the edges falls from 0.84 to 0.16, which is
+    the standard deviation of a Gaussian blur. Motion during the exposure blurs along the head too,
+    but does not displace the edges.
 
     offsets_bl: (frames, stations) found by `measure_stations` with this template.
     """
@@ -104,8 +104,8 @@ def picture_blur_px(
 
 
 def edge_blur_px(covered: Float) -> float:
-    """Standard deviation [px] of the blur of edges from their coverage (places, edges); NaN where
-    none is seen.
+    """Standard deviation [px] of the blur of edges, from their coverage (places, edges); NaN if no
+    edge is visible.
     """
     profile = nan_median(covered.T)
     inside, outside = profile[:EDGE_END_SAMPLES].mean(), profile[-EDGE_END_SAMPLES:].mean()
@@ -121,7 +121,7 @@ def _sample_across_edge(
     at: tuple[Float, Float],
     depths_px: Float,
 ) -> Float:
-    """Grey levels (depths, n) so far inside the edge found at each point, NaN where none was found.
+    """Grey levels (depths, n) at these depths inside the edge of each point, NaN without an edge.
 
     at: pose (4,), offsets (n,) [body lengths].
     """

@@ -243,14 +243,14 @@ def _move_nose_to_head_length(template: OutlineTemplate, radii: Float, blur_bl: 
 
 
 def nose_loss_by_blur(angles: Float, radii: Float, blur_bl: float) -> float:
-    """How far behind the nose its edge is seen in a picture of a blur (rms).
+    """Distance by which blur (rms) displaces the edge of the nose backwards.
 
-    Across the axis the blur takes the mean of the outline x(y). Near the nose that is a power of
-    the way y aside, through the next two stations, no blunter than a parabola and no sharper than
-    a corner: x = -a |y|^p with the mean -a blur^p E|z|^p for a normal z.
+    Lateral blur averages the outline x(y) over y. Near the nose the outline is a power law through
+    the next two stations, between a corner (p = 1) and a parabola (p = 2): x = -a |y|^p. Its mean
+    over normally distributed y is -a blur^p E|z|^p, with z standard normal.
     """
-    aside = radii[1:3] * np.sin(angles[1:3])
-    back = np.maximum(radii[0] - radii[1:3] * np.cos(angles[1:3]), 1e-9)
-    p = float(np.clip(np.log(back[1] / back[0]) / np.log(aside[1] / aside[0]), 1.0, 2.0))
+    lateral = radii[1:3] * np.sin(angles[1:3])
+    axial = np.maximum(radii[0] - radii[1:3] * np.cos(angles[1:3]), 1e-9)
+    p = float(np.clip(np.log(axial[1] / axial[0]) / np.log(lateral[1] / lateral[0]), 1.0, 2.0))
     moment = 2 ** (p / 2) * math.gamma((p + 1) / 2) / math.sqrt(math.pi)
-    return float(back[0] * moment * (blur_bl / aside[0]) ** p)
+    return float(axial[0] * moment * (blur_bl / lateral[0]) ** p)

@@ -13,10 +13,10 @@ from ...data import Float, Frame
 from .background import LumaPicture
 from .blob_detection import Blob, candidate_poses, find_blobs
 from .edges import EDGE_WINDOW_HALF_WIDTH_PX
-from .intended_body import IntendedBody
 from .plane import SwimmingPlaneMap
 from .pose_fit import OutlineArrays, fit_outline_pose, information_and_edge_support
 from .tail_detection import tail_length, trace_tail
+from .target_body import TargetBody
 from .template import OutlineTemplate
 from .variance import FrameQuadraticForms, covariance_kernels, frame_quadratic_forms
 
@@ -115,9 +115,11 @@ def fit_template_to_frame(
 
 
 def redetect_robot(
-    frame: LumaPicture, scene: DetectionScene, body: IntendedBody, shape: OutlineArrays
+    frame: LumaPicture, scene: DetectionScene, body: TargetBody, shape: OutlineArrays
 ) -> OutlineFit | None:
-    """The best fit to any blob of a frame that may be the body; None where none is good enough."""
+    """The best fit of the target body to any blob of a frame; None if no fit is good
+    enough.
+    """
     seen = find_blobs((frame, scene.floor), scene.plane, scene.noise, body.template.area_bl2)
     return best_fit_of_blobs(seen, frame, scene, body, shape)
 
@@ -126,10 +128,10 @@ def best_fit_of_blobs(
     seen: Sequence[Blob],
     frame: LumaPicture,
     scene: DetectionScene,
-    body: IntendedBody,
+    body: TargetBody,
     shape: OutlineArrays,
 ) -> OutlineFit | None:
-    """The best fit to any of these blobs that may be the body, either way round; None where none is
+    """The best fit of the target body to any of these blobs, either way round; None if no fit is
     good enough.
     """
     steps = search_ranges_px(scene, 0.066, 0.054, 0.042, 0.030, 0.024, 0.024)
@@ -140,7 +142,7 @@ def best_fit_of_blobs(
         for pose in candidate_poses(blob, body.template, scene.head_angle_rad)
     ]
     tried = [fit_template_to_frame(frame, scene, shape, start, steps) for start in starts]
-    tried = [one for one in tried if body.may_be(one.pose)]
+    tried = [one for one in tried if body.is_candidate(one.pose)]
     best = max(tried, key=lambda one: one.support[2], default=None)
     return best if best is not None and is_good_fit(best, scene) else None
 
@@ -175,7 +177,7 @@ def track_robot(
     place = (
         None if start_px is None else scene.plane.pixels_to_body_lengths(np.array([start_px]))[0]
     )
-    body = IntendedBody(template, place)
+    body = TargetBody(template, place)
     shape = template.shape()
     known = covariance_kernels(
         *template.turned(scene.head_angle_rad), template.head_bl + template.core_bl

@@ -1,5 +1,5 @@
-"""Which of several bodies is meant: the one at a stated place in the first frame, then the one that
-can have come from where it was seen last.
+"""The target among several similar bodies: first the body at a stated position, then the body
+within reach of the last position.
 """
 
 from __future__ import annotations
@@ -12,15 +12,15 @@ from ...data import Float
 from .template import OutlineTemplate
 
 START_TOLERANCE_LENGTHS = 0.12
-"""How far the stated place may lie from the body's axis."""
+"""Largest distance of the stated position from the axis of the body."""
 SEARCH_RADIUS_LENGTHS, SEARCH_RADIUS_GROWTH_LENGTHS = 0.8, 0.25
 MAX_SEARCH_RADIUS_LENGTHS = 2.5
-"""Distance within which a body is looked for that was lost, its growth with each frame, its end."""
+"""Search radius for a body that was lost, its growth with each frame, and its maximum."""
 
 
 @dataclass
-class IntendedBody:
-    """A body to be followed. start_bl: (2,) the stated place [body lengths]; None: any body is.
+class TargetBody:
+    """The body to track. start_bl: (2,) stated position [body lengths]; None accepts any body.
 
     last: pose in which it was seen last; frames_since: how many frames ago.
     """
@@ -31,14 +31,14 @@ class IntendedBody:
     frames_since: int = 0
 
     def record(self, pose: Float | None) -> None:
-        """Take note of the next frame's pose (4,); None where the body was not found."""
+        """Record the pose (4,) of the next frame; None if the body was not found."""
         if pose is None:
             self.frames_since += 1
         else:
             self.last, self.frames_since = pose, 0
 
-    def may_be(self, pose: Float) -> bool:
-        """Whether a body with this pose (4,) can be the intended one."""
+    def is_candidate(self, pose: Float) -> bool:
+        """Whether a body with this pose (4,) can be the target."""
         if self.start_bl is None:
             return True
         length = self.template.head_bl + self.template.core_bl + self.template.tail_bl
@@ -51,7 +51,7 @@ class IntendedBody:
 
 
 def search_radius_lengths(frames_since: int) -> float:
-    """Distance, in lengths of the body, within which it is looked for so many frames later."""
+    """Search radius, in lengths of the body, after this number of frames without it."""
     grown = SEARCH_RADIUS_LENGTHS + SEARCH_RADIUS_GROWTH_LENGTHS * frames_since
     return min(grown, MAX_SEARCH_RADIUS_LENGTHS)
 

@@ -21,8 +21,8 @@ from bluekoi.smoothing.nominal_motion import nominal_motion_without_onset, rough
 from bluekoi.smoothing.quasi_newton import minimise
 from exact_motions import CameraConditions, circle, frame_times, observed_pose, start_from_rest
 
-NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 1e-5])
-PLANAR_NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 0.3, 1e-5, 2e-6])
+NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 1e-5, 20.0, 0.5])
+PLANAR_NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 0.3, 1e-5, 2e-6, 20.0, 0.5])
 
 
 def planar_model(recoil: bool) -> tuple[LinearGaussianModel, np.ndarray]:
@@ -204,6 +204,21 @@ def test_recoil_keeps_its_variance():
     for k in range(1, 400):
         P = F[k, 3:, 3:] @ P @ F[k, 3:, 3:].T + Q[k, 3:, 3:]
     assert pytest.approx(NOISE[4] * np.eye(2), rel=0.2, abs=1e-9) == P
+
+
+def test_recoil_loses_its_phase_over_the_stated_beats():
+    """Kept over b beats: exp(-b / coherence), at the onset exp(-b (1 / coherence + build-up))."""
+    hz, dt, beats = 2.0, np.array([0.0, 0.05]), 0.1
+    steady = nominal_motion_without_onset(2)
+    onset = steady.copy()
+    onset[:, 0] = 1.0
+    for nominal, per_beat in ((steady, 1 / 35), (onset, 1 / 35 + 0.5)):
+        F, Q = heading_matrices(NOISE, dt, hz, nominal)
+        keep = np.exp(-beats * per_beat)
+        turn = np.array([[np.cos(0.2 * np.pi), -np.sin(0.2 * np.pi)],
+                         [np.sin(0.2 * np.pi), np.cos(0.2 * np.pi)]])  # fmt: skip
+        assert F[1, 3:, 3:] == pytest.approx(keep * turn)
+        assert Q[1, 3:, 3:] == pytest.approx(NOISE[4] * (1 - keep**2) * np.eye(2))
 
 
 def test_grid_has_nodes_where_frames_are_far_apart():

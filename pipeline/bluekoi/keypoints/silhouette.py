@@ -30,8 +30,8 @@ from .outline.tracking import DetectionScene, OutlineFit, track_robot
 USES_STATED_LENGTHS = True
 """Keypoints lie at the robot's lengths of study.yaml: their distances measure nothing. What is
 measured is the whole length (`Keypoints.length_seen`)."""
-SCENE_SAMPLE_FRAME_COUNTS, MAX_KEY_FRAMES_SAMPLED = (5, 15), 10
-"""Frames from which background and outline are learned: at least 5, up to 10 where the video has so
+SCENE_SAMPLE_FRAME_COUNTS, MAX_KEY_FRAMES_SAMPLED = (5, 15), 8
+"""Frames from which background and outline are learned: at least 5, up to 8 where the video has so
 many key frames; 15 where these do not do. The outline's error is that of a mean over them."""
 GOOD_SUPPORT = 0.9
 MIN_SUPPORT_SCORE = 0.6
@@ -88,15 +88,15 @@ def _detect_rigid_body(
             return _empty_keypoints(
                 times, (*remarks, _no_robot_remark(samples, plane, setup, trial))
             )
+        second = second_body_remark(  # while the film is decoded
+            outline,
+            scene,
+            robot_length_bl(setup.robot, trial),
+            start_is_known=trial.start_px is not None,
+        )
         times, fits = track_robot(film, scene, outline.template, trial.start_px)
     if not times:
         raise input_error(trial.source, "", "no frames", "frames between start_s and end_s")
-    second = second_body_remark(
-        outline,
-        scene,
-        robot_length_bl(setup.robot, trial),
-        start_is_known=trial.start_px is not None,
-    )
     remarks = (
         *remarks,
         *second,

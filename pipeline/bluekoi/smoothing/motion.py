@@ -6,7 +6,10 @@ s = speed / usual speed: against a drag D v^2 with steady thrust, m v' = T - D v
 acceleration obeys a' = -(2 D v / m) a, so that a start from rest (v_inf tanh) and a steady motion
 both are free of noise; so is the yaw rate of a turn from rest, which keeps its radius. Around the
 start w_a is larger, by a factor that is searched with the rest: forces set in there. Recoil: a
-damped stochastic oscillator at the flapping frequency, stationary with standard deviation s.
+damped stochastic oscillator at the flapping frequency, stationary with standard deviation s. Over
+how many tail beats it is coherent is searched too: a motor of constant speed makes a recoil that is
+nearly periodic, a fish does not. A recoil of too little coherence follows the measurement noise and
+takes slow motions out of the mean (docs/decisions/061).
 
 In the plane v and a are surge and sway in the frame of the mean heading theta(t), known from the
 heading's own model: in a steady turn they are constant, which they are not in the pool frame.
@@ -21,19 +24,20 @@ import numpy as np
 from ..data import Float
 from ..vector_width import njit
 
-RECOIL_MEMORY_BEATS = 15.0
-"""The recoil keeps its amplitude and phase over about so many tail beats. At a start from rest, it
-builds up from 0 within one."""
+MIN_RECOIL_COHERENCE_BEATS = 15.0
+"""The recoil keeps its amplitude and phase over about so many tail beats at least. One of a few
+beats would describe any disturbance of the motion."""
 
 
 @njit(cache=True)
 def heading_matrices(noise, dt, hz, nominal):  # type: ignore[no-untyped-def]
     """F, Q (n, 5, 5) of an angle: angle, rate, acceleration, recoil and its quadrature.
 
-    noise: (tau s, density of w_v, density of w_a, start-up factor, recoil variance). dt: (n,) s,
-    dt[0] unused. nominal: (n, 3): onset from 0 to 1, by which the start-up factor multiplies w_a
-    and with which the recoil builds up; relative speed; heading noise, a density added to that of
-    sway's w_v.
+    noise: (tau s, density of w_v, density of w_a, start-up factor, recoil variance, further beats
+    of coherence beyond `MIN_RECOIL_COHERENCE_BEATS`, build-up factor). dt: (n,) s, dt[0] unused.
+    nominal: (n, 3): onset from 0 to 1, by which the start-up factor multiplies w_a and with which,
+    times the build-up factor, the recoil is renewed in every beat; relative speed; heading noise, a
+    density added to that of sway's w_v.
     """
     n, d = len(dt), 5 if hz > 0 else 3
     F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
@@ -42,7 +46,7 @@ def heading_matrices(noise, dt, hz, nominal):  # type: ignore[no-untyped-def]
     for k in range(1, n):
         _fill_mean_motion_blocks(F[k], Q[k], dt[k], noise, nominal[k])
         if hz > 0:
-            _fill_recoil_blocks(F[k], Q[k], dt[k], hz, noise[4], nominal[k, 0], 3)
+            _fill_recoil_blocks(F[k], Q[k], dt[k] * hz, noise[4:], nominal[k, 0], 3)
     return F, Q
 
 
@@ -51,7 +55,7 @@ def planar_matrices(noise, dt, hz, nominal, theta):  # type: ignore[no-untyped-d
     """F, Q (n, 10, 10): x, y, surge, sway, their accelerations, recoil in surge and sway.
 
     noise, dt, nominal as `heading_matrices`, but noise[4] is the share of sway, its densities over
-    those of surge, and noise[5], [6] are the recoil variances of surge and sway.
+    those of surge, and in place of one recoil variance there are two, of surge and of sway.
     theta: (n,) mean heading, rad.
     """
     n, d = len(dt), 10 if hz > 0 else 6
@@ -66,8 +70,10 @@ def planar_matrices(noise, dt, hz, nominal, theta):  # type: ignore[no-untyped-d
         c, s = np.cos(theta[k] - half), np.sin(theta[k] - half)
         _rotate_to_pool_frame(F[k], Q[k], c, s, chord)
         if hz > 0:
-            _fill_recoil_blocks(F[k], Q[k], dt[k], hz, noise[5], nominal[k, 0], 6)
-            _fill_recoil_blocks(F[k], Q[k], dt[k], hz, noise[6], nominal[k, 0], 8)
+            sway = noise[6:]
+            surge = np.array([noise[5], sway[1], sway[2]])
+            _fill_recoil_blocks(F[k], Q[k], dt[k] * hz, surge, nominal[k, 0], 6)
+            _fill_recoil_blocks(F[k], Q[k], dt[k] * hz, sway, nominal[k, 0], 8)
     return F, Q
 
 
@@ -113,10 +119,15 @@ def _rotate_to_pool_frame(F, Q, c, s, chord):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _fill_recoil_blocks(F, Q, dt, hz, variance, onset, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    """Blocks of an oscillator that is renewed within one beat at the onset; its variance stays."""
-    keep = np.exp(-dt * hz * (1.0 / RECOIL_MEMORY_BEATS + onset))
-    c, s = keep * np.cos(2 * np.pi * hz * dt), keep * np.sin(2 * np.pi * hz * dt)
+def _fill_recoil_blocks(F, Q, beats, recoil, onset, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """Blocks of an oscillator that the onset renews; its variance stays. beats: in this step.
+
+    recoil: (variance, further beats of coherence, build-up factor).
+    """
+    variance = recoil[0]
+    coherence_beats = MIN_RECOIL_COHERENCE_BEATS + recoil[1]
+    keep = np.exp(-beats * (1.0 / coherence_beats + recoil[2] * onset))
+    c, s = keep * np.cos(2 * np.pi * beats), keep * np.sin(2 * np.pi * beats)
     F[at, at] = F[at + 1, at + 1] = c
     F[at, at + 1], F[at + 1, at] = -s, s
     Q[at, at] = Q[at + 1, at + 1] = variance * (1 - keep**2)

@@ -22,6 +22,11 @@ from .screening import ScreenedMeasurements, screen_measurements
 PRIOR_LOG_NOISE_STDS = (1.0, 6.0, 6.0, 3.0)
 """Prior deviation of the logs of tau, rate noise, acceleration noise and start-up factor."""
 PRIOR_LOG_SWAY_SHARE_STD, PRIOR_LOG_RECOIL_STD, PRIOR_LOG_R_STD = 4.0, 3.0, 0.7
+RECOIL_COHERENCE_UNIT_BEATS, RECOIL_BUILD_UP_UNIT = 300.0, 0.15
+"""Units of the recoil's further coherence and of its build-up factor, where the search starts. The
+medians of five simulated studies are 23 to 33,000 beats and 0.02 to 0.15 (decision 061)."""
+PRIOR_LOG_RECOIL_COHERENCE_STDS = (3.0, 3.0)
+"""Prior deviations of the logs of both."""
 UNIT_NOISE_SIGMAS = 2.0
 """Unit of process noise: the density that moves a rate by so many standard errors over a trial. A
 larger unit overstates the deviations of a steady motion, a smaller one understates those of a
@@ -33,6 +38,8 @@ that explains everything, or a quick start."""
 LOG_START_ONSET_FACTOR, LOG_START_RECOIL_NOISE = 3.0, 5.0
 """Logs of the factor on the acceleration's noise at the onset, and of the noise of the recoil, from
 which the search starts."""
+MIN_LOG_NOISE_RATIO = float(np.log(1e-4))
+"""Log of the least variance of white noise over that stated; below, rounding errors matter."""
 MAX_LOG_NOISE_RATIO_COLOURED = -0.4
 """Below this log of white over stated noise, part of the error may be coloured."""
 MIN_LR_STATISTIC_COLOURED_NOISE = 10.0
@@ -177,15 +184,17 @@ def _fit_motion_model(
         F, Q = matrices(noise)
         steady = 0.0 if resting else 0.5 * noise[0] * noise[2]
         first = np.array([*widths[:2], widths[2] * acceleration_share + steady])
-        beats = noise[len(noise) - recoils :] * recoil_share
+        beats = noise[3 + m : 3 + m + recoils] * recoil_share
         P0 = np.diag(np.concatenate([np.repeat(first, m), np.repeat(beats, 2)]))
-        return LinearGaussianModel(F, Q, H, data.R * np.exp(logs[-1]), data.z, x0, P0)
+        R = data.R * np.exp(max(logs[-1], MIN_LOG_NOISE_RATIO))
+        return LinearGaussianModel(F, Q, H, R, data.z, x0, P0)
 
     spread = np.array(
         [
             *PRIOR_LOG_NOISE_STDS,
             *[PRIOR_LOG_SWAY_SHARE_STD] * (m - 1),
             *[PRIOR_LOG_RECOIL_STD] * recoils,
+            *(PRIOR_LOG_RECOIL_COHERENCE_STDS if recoils else ()),
             PRIOR_LOG_R_STD,
         ]
     )
@@ -256,18 +265,23 @@ def _starting_log_noise(m: int, recoils: int, logs: Float) -> list[Float]:
     quiet = [*[0.0] * (recoils - 1), *loud[:1]]
     rate, acceleration = (logs[0], 0.0, 0.0), (0.0, logs[1], LOG_START_ONSET_FACTOR)
     pairs = [(rate, quiet), (acceleration, quiet)] + [(acceleration, loud)] * (recoils > 1)
-    return [np.array([0.0, *pair, *shares, *beats, 0.0]) for pair, beats in pairs]
+    coherence = [0.0, 0.0] if recoils else []
+    return [np.array([0.0, *pair, *shares, *beats, *coherence, 0.0]) for pair, beats in pairs]
 
 
 def _noise_units(data: ScreenedMeasurements, grid: FilterTimeGrid, recoils: int) -> Float:
-    """Units of tau (s), density of rate and acceleration noise, start-up, share of sway, recoils.
+    """Units of tau (s), density of rate and acceleration noise, start-up, share of sway, recoils,
+    their further coherence (beats) and build-up.
 
     Variance of a steady rate: 12 R / (frames span^2), slope of a line through white noise.
     """
     steady = 12 * data.variance / (data.plausible.sum() * data.span_s**2)
     densities = UNIT_NOISE_SIGMAS**2 * steady * np.array([1 / data.span_s, 3 / data.span_s**3])
     shares = [1.0] * (data.z.shape[1] - 1)
-    return np.array([2 * grid.scale_s, *densities, 3.0, *shares, *[data.variance] * recoils])
+    coherence = [RECOIL_COHERENCE_UNIT_BEATS, RECOIL_BUILD_UP_UNIT] if recoils else []
+    return np.array(
+        [2 * grid.scale_s, *densities, 3.0, *shares, *[data.variance] * recoils, *coherence]
+    )
 
 
 def _initial_state_prior(

@@ -20,6 +20,9 @@ from .tracking import DetectionScene, OutlineFit
 
 ROBOT_MARGIN_BL = 0.036
 TAIL_MASK_LENGTH_RATIO = 1.15
+MAX_HIDDEN_FRAME_SHARE = 0.25
+"""Share of the frames in which the robot may hide a place of the floor: up to it, the median over
+the frames shows the floor."""
 Region = tuple[slice, slice]
 
 
@@ -53,7 +56,7 @@ def robot_mask(
 
 
 def background_without_robot(outline: LearnedTemplate, scene: DetectionScene) -> LumaPicture | None:
-    """Background free of the robot; None where its places do not overlap and the median is right.
+    """Background free of the robot; None where its places hardly overlap and the median is right.
 
     Only the frames that the outline was learned from count. Where the robot never left, the
     background is bridged from around it.
@@ -65,7 +68,7 @@ def background_without_robot(outline: LearnedTemplate, scene: DetectionScene) ->
     often = np.zeros(scene.floor[cut].shape, np.uint8)
     for place, mask in masks:
         often[_relative_region(place, cut)] += mask
-    if often.size == 0 or int(often.max()) < 2:
+    if often.size == 0 or int(often.max()) <= MAX_HIDDEN_FRAME_SHARE * len(fits):
         return None
     floor = scene.floor.copy()
     for strip in _row_strips(cut):

@@ -51,7 +51,7 @@ class Prefetcher(Generic[T]):
         self.close()
 
     def close(self) -> None:
-        """End the thread; noitem more comes."""
+        """End the thread; no item comes after."""
         self._stop.set()
         while self._thread.is_alive():
             self._drop()

@@ -41,7 +41,8 @@ def measure_design(design: StudyDesign, folder: Path) -> MeasuredStudy:
     study = load_study(folder / "study")
     camera = pool_camera(study.setup)
     out = MeasuredStudy(study, [], {}, {})
-    for trial in study.trials:
+    before = [0.0, *(trial.head_angle_rad for trial in study.trials)]
+    for trial, angle in zip(study.trials, before, strict=False):
         found = read_keypoints_of_trial(study.paths(trial)[0], trial, {})
         positions = map_keypoints(camera, found, study.setup.robot.keypoint_depth_m)
         flapping = trial_flapping(study, trial, positions)
@@ -49,7 +50,7 @@ def measure_design(design: StudyDesign, folder: Path) -> MeasuredStudy:
         track = smooth_pose(pose, flapping.flap_hz)
         out.steady[trial.trial_id] = steady_state(track, flapping, trial.head_angle_rad)
         out.flapping[trial.trial_id] = flapping
-        one = trial_series(trial, study.setup, pose, track, flapping)
+        one = trial_series(trial, study.setup, pose, track, flapping, angle_before_rad=angle)
         out.series.append(one)
     out.series[:] = with_clock_measurement(out.series, out.flapping)
     return out

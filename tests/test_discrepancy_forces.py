@@ -41,7 +41,7 @@ def friction_fit() -> tuple[CauseSearchProblem, FittedCauseSet]:
     baseline = fit_all_trials(downsampled(series))
     problem = robot_problem(
         compile_system(two_plate_system()),
-        downsampled(series, 5.0),
+        downsampled_with_head_angle_changes(series, 5.0),
         baseline,
         displaced=(),
         progress=lambda _: None,

@@ -144,7 +144,7 @@ def call_effect(
         "x_hinge": 0.04, "x_tail": 0.171, "l_tail": 0.07, "L_pool": 2.6, "W_pool": 1.6,
         "length_unit": 1.0, "speed_unit": 1.0, "time_unit": 1.0,
         "x": 0.1, "y": 0.2,
-        "t": 2.0, "psi": 7.0, "psi0": 0.0, "uc": u, "vc": v, "r": r, "rc": r, "rd": r,
+        "t": 2.0, "psi": 7.0, "psi0": 0.0, "phi0": 0.0, "uc": u, "vc": v, "r": r, "rc": r, "rd": r,
         "V": float(np.hypot(u, v)), "cpsi": 1.0, "spsi": 0.0,
         "uh": u * cphi - v * sphi, "vh": u * sphi + v * cphi, "cphi": cphi, "sphi": sphi,
         "phi": 0.5, "T": 0.0,
@@ -451,7 +451,9 @@ def test_a_core_is_not_wound_by_the_first_step(step: float) -> None:
     n = next(p.lower for p in effect.parameters if p.symbol == "n")
     t = np.arange(0.0, 6.0, 0.5 * step)
     turn_rate = effect.hooks["core_turn_rate"]
-    rate = np.array([turn_rate(one, 0.5, 1.0, 0.2, n, 0.5, 1.0, 0.0, 0.0, 3.0)[0] for one in t])
+    rate = np.array(
+        [turn_rate(one, 0.5, 0.0, 1.0, 0.2, n, 0.5, 1.0, 0.0, 0.0, 3.0, 0.0)[0] for one in t]
+    )
     turned = step / 6 * (rate[:-2:2] + 4 * rate[1:-1:2] + rate[2::2]).sum()
     assert turned == pytest.approx(0.5, abs=0.01)
 
@@ -460,9 +462,9 @@ def test_a_core_that_takes_the_turning_goes_with_the_head_angle() -> None:
     """Over the whole start it turns by c times what was missing of the angle; c = 0: not at all."""
     servo, t = two_plate_system().effect("servo_lag").hooks, np.linspace(0.0, 4.0, 40001)
     for n, q, w in ((1.0, 0.0, 0.0), (2.2, 0.6, 0.0), (1.0, 0.0, 1.0), (1.5, 0.3, 0.5)):
-        given, swing = (0.8, 0.3, n, q), (w, 3.0)
+        given, swing = (-0.1, 0.8, 0.3, n, q), (w, 3.0, 1.0)
         missing = servo["actuation_inputs"](0.0, 0.5, *given, 0.2, *swing)[0]
-        assert missing == pytest.approx(-0.8 * 0.5, rel=1e-3)
+        assert missing == pytest.approx(-0.8 * (0.5 + 0.1), rel=1e-3)
         turn = [servo["core_turn_rate"](one, 0.5, *given, 0.7, 0.2, *swing)[0] for one in t]
         assert np.trapezoid(turn, t) == pytest.approx(-0.7 * missing, rel=2e-3)
         assert servo["core_turn_rate"](0.1, 0.5, *given, 0.0, 0.0, *swing) == (0.0,)
@@ -476,13 +478,14 @@ def test_an_overshooting_servo_is_the_step_response_of_second_order() -> None:
     for t in (0.05, 0.4, 1.1, 2.0):
         z = damped * natural * t
         reached = 1 - np.exp(-ratio * natural * t) * (np.cos(z) + ratio / damped * np.sin(z))
-        missing = drive(t, 0.5, 1.0, 1 / (ratio * natural), 1.0, 0.0, 0.0, 1.0, damped / ratio)[0]
+        given = (1.0, 1 / (ratio * natural), 1.0, 0.0, 0.0, 1.0, damped / ratio)
+        missing = drive(t, 0.5, 0.0, *given, 0.0)[0]
         assert missing == pytest.approx(-0.5 * (1 - reached), abs=1e-8)
 
 
 def test_a_servo_does_not_move_in_its_dead_time() -> None:
     drive = two_plate_system().effect("servo_lag").hooks["actuation_inputs"]
-    given = {"k": 1.0, "tau": 0.3, "n": 1.0, "q": 0.0, "w": 0.0, "b": 3.0}
+    given = {"phi0": 0.0, "k": 1.0, "tau": 0.3, "n": 1.0, "q": 0.0, "w": 0.0, "b": 3.0, "s": 0.0}
     assert drive(0.15, 0.5, **given, t_d=0.2)[0] == pytest.approx(-0.5, rel=1e-6)
     assert drive(0.5, 0.5, **given, t_d=0.2) == pytest.approx(drive(0.3, 0.5, **given, t_d=0.0))
 

@@ -431,7 +431,10 @@ def test_a_set_with_more_states_than_the_filter_has_lanes_is_not_fitted(
     wrong frame rate came to such a set and ended with a traceback; the filter had no lane for it.
     """
     m, found = demo
-    kernel, few = compile_system(two_plate_system()), downsampled(m.series)[:2]
+    kernel, few = (
+        compile_system(two_plate_system()),
+        downsampled_with_head_angle_changes(m.series)[:2],
+    )
     problem = robot_problem(kernel, few, found.baseline, displaced=(), progress=lambda _: None)
     three = ("tail_fin_lift", "lift_lag", "stall")
     assert problem.can_be_filtered(three[:2])

@@ -200,14 +200,14 @@ def test_errors_that_last_are_correlated_as_stated():
 def test_recoil_keeps_its_variance():
     _, Q = heading_matrices(NOISE, np.full(400, 0.033), 2.37, nominal_motion_without_onset(400))
     F, _ = heading_matrices(NOISE, np.full(400, 0.033), 2.37, nominal_motion_without_onset(400))
-    P = np.zeros((2, 2))
+    P = NOISE[4] * np.eye(2)
     for k in range(1, 400):
         P = F[k, 3:, 3:] @ P @ F[k, 3:, 3:].T + Q[k, 3:, 3:]
-    assert pytest.approx(NOISE[4] * np.eye(2), rel=0.2, abs=1e-9) == P
+    assert pytest.approx(NOISE[4] * np.eye(2), rel=1e-9, abs=1e-15) == P
 
 
 def test_recoil_loses_its_phase_over_the_stated_beats():
-    """Kept over b beats: exp(-b / coherence), at the onset exp(-b (1 / coherence + build-up))."""
+    """Kept over b beats: exp(-b / coherence), at the onset exp(-b (1 / coherence + decay rate))."""
     hz, dt, beats = 2.0, np.array([0.0, 0.05]), 0.1
     steady = nominal_motion_without_onset(2)
     onset = steady.copy()
@@ -219,6 +219,10 @@ def test_recoil_loses_its_phase_over_the_stated_beats():
                          [np.sin(0.2 * np.pi), np.cos(0.2 * np.pi)]])  # fmt: skip
         assert F[1, 3:, 3:] == pytest.approx(keep * turn)
         assert Q[1, 3:, 3:] == pytest.approx(NOISE[4] * (1 - keep**2) * np.eye(2))
+        F, Q = planar_matrices(PLANAR_NOISE, dt, hz, nominal, np.zeros(2))
+        for at, variance in ((6, PLANAR_NOISE[5]), (8, PLANAR_NOISE[6])):
+            assert F[1, at : at + 2, at : at + 2] == pytest.approx(keep * turn)
+            assert Q[1, at, at] == pytest.approx(variance * (1 - keep**2))
 
 
 def test_grid_has_nodes_where_frames_are_far_apart():

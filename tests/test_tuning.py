@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,16 +10,28 @@ import pytest
 from scipy.stats import t as student
 
 from bluekoi.data import FlappingFrequency, Pose
+from bluekoi.fitting import (
+    FreeParameter,
+    Noise,
+    TrialEffect,
+    TrialSeries,
+    trial_normal_equations,
+)
 from bluekoi.model import TABLE_1, two_plate_system
 from bluekoi.smoothing import smooth_pose
 from bluekoi.study import Trial
 from bluekoi.tuning import (
+    HEAD_ANGLE_STD_RAD,
     coefficients_json_and_fit,
+    downsampled,
+    downsampled_with_head_angle_changes,
     fit_all_trials,
     fit_paper_steps,
     simulation_columns_by_trial,
+    study_series,
     table_1,
     table_2,
+    trial_kernel,
     trial_series,
 )
 from measured_studies import MeasuredStudy, measure_design
@@ -66,6 +79,55 @@ def test_bare_study_gives_back_what_it_determines(published_model_study: Measure
         assert table[name]["why"]
     assert joint.fit.outcome == "converged"
     assert found["joint"]["straight_swimming"]["stable"] is False
+
+
+def test_a_head_angle_error_of_a_trial_hides_its_mean_and_not_its_changes(
+    published_model_study: MeasuredStudy,
+) -> None:
+    """Information on an offset of the head angle stays that of one observation a trial; that on a
+    servo which is late grows."""
+    series = published_model_study.series
+    once = downsampled(series, 5.0)
+    changes = downsampled_with_head_angle_changes(series, 5.0)
+    variance = series[0].noise[0, 3, 3] - HEAD_ANGLE_STD_RAD**2 * len(series[0].times)
+    assert changes[0].noise[0, 3, 3] == pytest.approx(variance)
+    kernel, base = trial_kernel(series), trial_kernel(series).system.values({})
+    free = [FreeParameter("keypoint_bias.head_angle_offset"),
+            FreeParameter("servo_lag.missing_share")]  # fmt: skip
+    noise = Noise(np.zeros(6), np.ones(6), np.ones(4))
+    own = TrialEffect("keypoint_bias.head_angle_offset", HEAD_ANGLE_STD_RAD)
+
+    def information(trials: Sequence[TrialSeries], noise: Noise) -> np.ndarray:
+        at = np.array([0.0, 1e-6])
+        found = trial_normal_equations(kernel, trials, base, free, at, noise=noise)
+        return np.diag(found.hessian.sum(axis=0))
+
+    spread = information(once, noise)
+    apart = information(changes, replace(noise, trial_effects=(own,)))
+    assert apart[0] == pytest.approx(spread[0], rel=0.05)
+    assert apart[0] == pytest.approx(len(series) / HEAD_ANGLE_STD_RAD**2, rel=0.05)
+    assert apart[1] > 3.0 * spread[1]
+
+
+def test_a_trial_knows_the_head_angle_of_the_one_before(
+    published_model_study: MeasuredStudy,
+) -> None:
+    """In the order of trials.csv, whether that one was measured or not."""
+    trials = published_model_study.study.trials
+    times = np.arange(40) / 30
+    values = np.column_stack([0.3 * times, *np.zeros((3, 40))])
+    pose = Pose(times, values, np.tile(1e-6 * np.eye(4), (40, 1, 1)))
+    track, flapping = smooth_pose(pose, 3.0), FlappingFrequency(3.0, 0.0, "flap_hz")
+    measured = [trials[0].trial_id, *(t.trial_id for t in trials[2:])]
+    found = study_series(
+        published_model_study.study,
+        *(dict.fromkeys(measured, one) for one in (pose, track)),
+        dict.fromkeys(measured, flapping),
+    )
+    place = two_plate_system().constants.index("phi0")
+    before = {one.name: one.constants[place] for one in found}
+    assert before[trials[0].trial_id] == 0.0
+    assert before[trials[2].trial_id] == pytest.approx(trials[1].head_angle_rad)
 
 
 def _common_coefficients() -> dict[str, float]:

@@ -28,7 +28,12 @@ from bluekoi.fitting import rms_forces_of_parameter_changes
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
-from bluekoi.tuning import downsampled, fit_all_trials, trial_kernel
+from bluekoi.tuning import (
+    downsampled,
+    downsampled_with_head_angle_changes,
+    fit_all_trials,
+    trial_kernel,
+)
 
 RIDGE = 1e-9
 
@@ -36,9 +41,10 @@ RIDGE = 1e-9
 def relative_residuals(study: Path, results: Path) -> dict[str, list[float]]:
     """Cause -> kappa^2 of each of its forms, in the designs of a measured study's trials."""
     campaign = load_campaign(results, load_study(study), measured=True)
-    series = downsampled(campaign_series(campaign, campaign_flapping(campaign)))
-    kernel, baseline = trial_kernel(series), fit_all_trials(series)
-    problem = robot_problem(kernel, series, baseline, displaced=(), progress=lambda _: None)
+    series = campaign_series(campaign, campaign_flapping(campaign))
+    kernel, baseline = trial_kernel(series), fit_all_trials(downsampled(series))
+    fitted = downsampled_with_head_angle_changes(series)
+    problem = robot_problem(kernel, fitted, baseline, displaced=(), progress=lambda _: None)
     model = fit_cause_set(problem, (), problem.noise, baseline.fit.by_label())
     expansion, _ = expand_likelihood_in_all_forms(
         problem, model

@@ -25,7 +25,12 @@ from bluekoi.mismatch.find import SEARCH_RATE_HZ
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
-from bluekoi.tuning import downsampled, fit_all_trials, trial_kernel
+from bluekoi.tuning import (
+    downsampled,
+    downsampled_with_head_angle_changes,
+    fit_all_trials,
+    trial_kernel,
+)
 
 
 @dataclass(frozen=True)
@@ -47,8 +52,8 @@ def study_problem(study: Path, results: Path) -> tuple[CauseSearchProblem, dict[
     campaign = load_campaign(results, load_study(study), measured=True)
     series = campaign_series(campaign, campaign_flapping(campaign))
     kernel, baseline = trial_kernel(series), fit_all_trials(downsampled(series))
-    problem = robot_problem(kernel, downsampled(series, SEARCH_RATE_HZ), baseline, displaced=(),
-                            progress=lambda _: None)  # fmt: skip
+    searched = downsampled_with_head_angle_changes(series, SEARCH_RATE_HZ)
+    problem = robot_problem(kernel, searched, baseline, displaced=(), progress=lambda _: None)
     return problem, baseline.fit.by_label()
 
 

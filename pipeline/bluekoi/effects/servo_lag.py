@@ -2,14 +2,19 @@
 
 At the time t since the start of the trial, the head angle is
 
-    phi(t) = phi (1 - k exp(-((t - t_d) / T)^n) S),  T = tau (1 - q + q |phi| / 45 deg)
+    phi(t) = phi - k (phi - s phi_0) exp(-((t - t_d) / T)^n) S
+    T = tau (1 - q + q |phi - s phi_0| / 45 deg)
     S = 1 - w + w (cos z + sin(z) / b),  z = b (t - t_d) / T
 
 - phi on the right-hand side: the commanded angle;
-- k: share of the commanded angle that is missing at the start;
+- phi_0: the angle commanded in the trial before, in the order of `trials.csv`; 0 in the first
+  trial, and in every simulated one;
+- s: where the head comes from. With s = 0, the trial begins with a straight head, with s = 1 at the
+  angle of the trial before;
+- k: share of this change of the angle that is missing at the start;
 - t_d: dead time, after which the servo begins to move. The formulas hold from then on;
-- T: time constant. With q = 0, it is tau for all angles. With q = 1, it is proportional to the
-  angle, as for a servo with a limited rate;
+- T: time constant. With q = 0, it is tau for all changes. With q = 1, it is proportional to the
+  change, as for a servo with a limited rate;
 - n: exponent. n = 1 and q = 0 is a first-order lag. A servo with a limited rate has a larger n;
 - S: oscillation. With w = 0, S = 1 and the head does not oscillate. With w = 1 (and n = 1, q = 0),
   the head oscillates about its angle, as in a lag of second order with the damping ratio
@@ -37,16 +42,16 @@ EFFECT_DESCRIPTION = (
     "The head does not stand at its commanded angle from the start: the servo needs time to turn "
     "it."
 )
-MOST_VISIBLE_WHERE = "the first second of turns"
+MOST_VISIBLE_WHERE = "the first second of turns; with s = 1, after a trial at another head angle"
 CONFUSED_WITH = ("motor_spin_up", "lift_lag", "time_offset")
 EFFECT_PARAMETERS = (
-    Parameter("missing_share", "1", 0.5, 0.0, 1.2, "share of the angle missing at the start",
+    Parameter("missing_share", "1", 0.5, 0.0, 1.2, "share of the change missing at the start",
               symbol="k"),
     Parameter("time_constant", "s", 0.4, 0.05, 1.5, "time constant", symbol="tau"),
     Parameter("rate_limit_exponent", "1", 1.5, 1.0, 5.0, "1: first-order lag, larger: limited rate",
               symbol="n"),
     Parameter("angle_dependence", "1", 0.5, 0.0, 1.0,
-              "0: same time for all angles, 1: proportional to them", symbol="q"),
+              "0: same time for all changes, 1: proportional to them", symbol="q"),
     Parameter("core_share", "1", 0.0, 0.0, 1.2, "part of the rotation that the core makes",
               spread=0.5, symbol="c"),
     Parameter("dead_time", "s", 0.0, 0.0, 0.6, "time in which the angle does not change",
@@ -55,6 +60,9 @@ EFFECT_PARAMETERS = (
               spread=0.5, symbol="w"),
     Parameter("swing_rate", "1", 3.0, 0.5, 8.0, "phase of the oscillation (rad) in a time constant",
               spread=2.0, symbol="b"),
+    Parameter("start_angle_share", "1", 0.0, 0.0, 1.0,
+              "0: the head starts straight, 1: at the angle of the trial before", spread=0.5,
+              symbol="s"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {
     "first order": {"rate_limit_exponent": 1.0, "angle_dependence": 0.0},
@@ -62,34 +70,37 @@ FUNCTIONAL_FORMS = {
     "limited rate": {"rate_limit_exponent": 3.0, "angle_dependence": 1.0},
     "dead time": {"dead_time": 0.3},
     "core turns instead": {"core_share": 1.0},
+    "from the angle of the trial before": {"start_angle_share": 1.0},
     "fast": {"time_constant": 0.15},
     "slow": {"time_constant": 1.0},
 }
 
 
 def actuation_inputs(
-    t: float, head_angle: float, k: float, tau: float, n: float, q: float, t_d: float, w: float,
-    b: float,
+    t: float, head_angle: float, phi0: float, k: float, tau: float, n: float, q: float, t_d: float,
+    w: float, b: float, s: float,
 ) -> tuple[float, float]:  # fmt: skip
     """Change of head angle (rad) and flapping frequency (Hz)."""
-    T = tau * (1.0 - q + q * (abs(head_angle) + 1e-3) / 0.7853981633974483)
+    change = head_angle - s * phi0
+    T = tau * (1.0 - q + q * (abs(change) + 1e-3) / 0.7853981633974483)
     late = max(t - t_d, 1e-9) / T
     sin_z, cos_z = sin_cos(b * late)
     swing = 1.0 - w + w * (cos_z + sin_z / b)
-    return -head_angle * k * exponential(-branchless_power(late, n)) * swing, 0.0
+    return -change * k * exponential(-branchless_power(late, n)) * swing, 0.0
 
 
 def core_turn_rate(
-    t: float, head_angle: float, k: float, tau: float, n: float, q: float, c: float, t_d: float,
-    w: float, b: float,
+    t: float, head_angle: float, phi0: float, k: float, tau: float, n: float, q: float, c: float,
+    t_d: float, w: float, b: float, s: float,
 ) -> tuple[float]:  # fmt: skip
     """Rate at which the core turns (rad/s): c times that of the head angle."""
-    T = tau * (1.0 - q + q * (abs(head_angle) + 1e-3) / 0.7853981633974483)
+    change = head_angle - s * phi0
+    T = tau * (1.0 - q + q * (abs(change) + 1e-3) / 0.7853981633974483)
     late = max(t - t_d, 1e-9) / T
     left = branchless_power(late, n)
     moving = min(max(1.0 + 1e6 * (t - t_d), 0.0), 1.0)  # 0 until a microsecond before t_d
     sin_z, cos_z = sin_cos(b * late)
     swing = 1.0 - w + w * (cos_z + sin_z / b)
-    change = w * (cos_z - b * sin_z)  # slope of `swing` over time / T
-    slope = left * n / late * swing - change
-    return (moving * c * k * head_angle * exponential(-left) * slope / T,)
+    swing_slope = w * (cos_z - b * sin_z)  # of `swing` over time / T
+    slope = left * n / late * swing - swing_slope
+    return (moving * c * k * change * exponential(-left) * slope / T,)

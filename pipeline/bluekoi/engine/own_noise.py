@@ -56,7 +56,7 @@ def is_likelier_under_noise(
     problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise
 ) -> bool:
     """Whether the trials are likelier at a set's numbers under another noise than under its own."""
-    points = _trial_vectors_with_command_errors(problem, model)
+    points = _trial_vectors_with_trial_effects(problem, model)
     own, other = (total_log_likelihood(filter_all(problem.kernel, problem.series, points, n))
                   for n in (model.noise, noise))  # fmt: skip
     return other > own
@@ -70,7 +70,7 @@ def _update_noise_and_fit(
     """
     if not model.usable:
         return model
-    points = _trial_vectors_with_command_errors(problem, model)
+    points = _trial_vectors_with_trial_effects(problem, model)
     effects = model.effects(problem)
     at_fit = effects is not None and effects.size == 0  # the points are those of the fit
     found = estimate_noise_model(problem.kernel, problem.series, points, model.noise, rounds=steps,
@@ -82,11 +82,11 @@ def _update_noise_and_fit(
     return max(model, again, key=lambda m: m.log_joint)
 
 
-def _trial_vectors_with_command_errors(
+def _trial_vectors_with_trial_effects(
     problem: CauseSearchProblem, model: FittedCauseSet
 ) -> list[Float]:
-    """Full parameter vectors of the trials at a set's numbers, with the most probable errors of the
-    commands in each trial: an error that lasts is not to be counted as a random force as well.
+    """Full parameter vectors of the trials at a set's numbers, with the most probable trial
+    effects: an error that is constant in a trial is not to be counted as a random force as well.
     """
     base = start_values(problem, model.causes, model.fit.by_label(), model.discrepancy)
     points = replace(problem, base=base).points(model.fit.free, model.fit.values)

@@ -34,7 +34,14 @@ from ..integrate.batch import threaded_map
 from ..model import is_residual
 from ..study import Study
 from ..study.data_split import has_trial_roles, held_out_trials
-from ..tuning import JointFit, downsampled, fit_all_trials, steady_errors, trial_kernel
+from ..tuning import (
+    JointFit,
+    downsampled,
+    downsampled_with_head_angle_changes,
+    fit_all_trials,
+    steady_errors,
+    trial_kernel,
+)
 from .camera_displacement import (
     CameraDisplacement,
     detect_displacements,
@@ -99,12 +106,11 @@ def find_mismatch(
     kernel = trial_kernel(series)
     held_out = held_out_trials(study, [s.name for s in series])
     progress("baseline")
-    averaged, coarse = downsampled(series), downsampled(series, SEARCH_RATE_HZ)
+    averaged = downsampled(series)
     baseline = fit_all_trials([s for s in averaged if s.name not in held_out])
     displaced, drifting = _camera_displacements_and_drift(kernel, averaged, baseline)
-    series = with_displacement_constants(kernel, series, displaced)
-    averaged, coarse = (
-        with_displacement_constants(kernel, s, displaced) for s in (averaged, coarse)
+    series, averaged = (
+        with_displacement_constants(kernel, s, displaced) for s in (series, averaged)
     )
     if not has_trial_roles(study):
         # only the trial itself determines the size of its displacement
@@ -112,7 +118,8 @@ def find_mismatch(
     train = [s for s in averaged if s.name not in held_out]
     test = [s for s in series if s.name in held_out] or list(series)
     baseline = fit_all_trials(train) if displaced else baseline
-    searched = [s for s in coarse if s.name not in held_out]
+    measured = [s for s in series if s.name not in held_out]
+    searched = downsampled_with_head_angle_changes(measured, SEARCH_RATE_HZ)
     camera = study.setup.camera
     problem = robot_problem(kernel, searched, baseline, displaced=displaced, progress=progress,
                             by_homography=camera is not None and camera.matrix is None)  # fmt: skip
@@ -120,7 +127,8 @@ def find_mismatch(
     problem = visited.problem
     fitted = list(visited.sets.values())
     found = posterior_over_sets(problem, fitted)
-    chosen = choose_causes(found, problem.by_name, partial(fit_extended, problem, train, baseline))
+    finer = downsampled_with_head_angle_changes(measured)
+    chosen = choose_causes(found, problem.by_name, partial(fit_extended, problem, finer, baseline))
     named, best, (final, extended) = chosen.named, chosen.best, chosen.model
     progress("missing force")
     models = {"baseline": baseline, "extended": extended}

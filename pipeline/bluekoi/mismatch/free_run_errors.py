@@ -71,7 +71,7 @@ def path_errors(
     """`PathErrors` of models on trials, over the predictability horizon of the last, the best one.
 
     The noise floor is the error of the last model on data made by itself with its random forces,
-    the errors of the commands in each trial and its measuring noise; NaN where that model diverges.
+    the trial effects and its measuring noise; NaN where that model diverges.
     """
     longest = max(float(s.times[-1] - s.times[0]) for s in series)
     last = list(models.values())[-1]

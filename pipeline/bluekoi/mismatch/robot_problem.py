@@ -12,7 +12,7 @@ from ..fitting import TrialEffect, TrialSeries
 from ..integrate import CompiledSystem, System
 from ..model import MOTION_VARIABLES, RobotUnits, residual_channels_and_variables
 from ..model.plates import CONTROL_INPUT_NAMES
-from ..tuning import JointFit, robot_units_of_trials
+from ..tuning import HEAD_ANGLE_STD_RAD, JointFit, robot_units_of_trials
 from .camera_displacement import (
     CAMERA_SHIFT_EFFECT,
     NULL_DISTRIBUTION_TAIL_FACTOR,
@@ -55,6 +55,8 @@ def robot_problem(
 ) -> CauseSearchProblem:
     """`CauseSearchProblem` of a campaign.
 
+    series: of `downsampled_with_head_angle_changes`, since the constant error of the measured head
+    angle is a trial effect here.
     displaced: camera displacements found; only with them is `camera_shift` a candidate. Their
     moments were chosen from many, which lowers its prior probability, as that of a wrong clock in
     some trials, which were split at one of as many places as there are trials. by_homography:
@@ -78,7 +80,9 @@ def robot_problem(
         base=baseline.base,
         coefficients=baseline.fit.free,
         candidates=with_constant_clock_error(candidates, series),
-        noise=replace(baseline.noise, trial_effects=_command_error_effects(baseline)),
+        noise=replace(
+            baseline.noise, trial_effects=_trial_error_effects(baseline), fixed_scales=()
+        ),
         tolerances=label_offset_stds(robot_units_of_trials(series))
         | (HOMOGRAPHY_TOLERANCES if by_homography else {}),
         state_variables=MOTION_VARIABLES,
@@ -121,12 +125,13 @@ def undetermined_cause_warnings(system: System, series: Sequence[TrialSeries]) -
     ]
 
 
-def _command_error_effects(baseline: JointFit) -> tuple[TrialEffect, ...]:
-    """Errors of the commanded head angle and of the thrust, which goes with the square of the
-    flapping frequency, in each trial.
+def _trial_error_effects(baseline: JointFit) -> tuple[TrialEffect, ...]:
+    """Errors of the commanded head angle, of the thrust, which goes with the square of the
+    flapping frequency, and of the measured head angle, in each trial.
     """
     thrust = abs(baseline.fit.by_label()["C_T"])
     return (
         TrialEffect("head_angle_offset.offset", float(SERVO_STD_RAD)),
         TrialEffect("C_T", 2.0 * LOGGED_FREQUENCY_STD_SHARE * thrust),
+        TrialEffect("keypoint_bias.head_angle_offset", HEAD_ANGLE_STD_RAD),
     )

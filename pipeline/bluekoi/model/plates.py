@@ -57,7 +57,8 @@ ROBOT_STATE_NAMES = ("x", "y", "psi", "u", "v", "r")
 """States: position in the pool, heading of the core, surge, sway, yaw rate."""
 DYNAMICS_CONSTANT_NAMES = (
     "rho", "A", "A_ref", "l", "m", "I", "h", "span", "length", "x_hinge", "x_tail",
-    "l_tail", "L_pool", "W_pool", "psi0", "t_start", "length_unit", "speed_unit", "time_unit",
+    "l_tail", "L_pool", "W_pool", "psi0", "phi0", "t_start", "length_unit", "speed_unit",
+    "time_unit",
 )  # fmt: skip
 """Constants of the equations of motion; those of the observation model follow them. The units are
 those of the robot over those of the published one (`similarity`)."""

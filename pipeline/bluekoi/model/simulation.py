@@ -54,14 +54,15 @@ class RobotAndPool(Protocol):
 
 
 def constants_of_robot_trial(
-    setup: RobotAndPool, head_length_m: float, *, heading_rad: float = 0.0, start_s: float = 0.0,
-    view: CameraErrorInputs | None = None, units: RobotUnits | None = None,
+    setup: RobotAndPool, head_length_m: float, *, heading_rad: float = 0.0,
+    angle_before_rad: float = 0.0, start_s: float = 0.0, view: CameraErrorInputs | None = None,
+    units: RobotUnits | None = None,
 ) -> Float:  # fmt: skip
     """Constants of one trial in the order of `two_plate_system().constants`, (constants,).
 
-    heading_rad: at the start. start_s: when the motor starts. view: how the trial is seen;
-    without, no measurement errors. units: of the robot whose effects are simulated, where it is
-    another one.
+    heading_rad: at the start. angle_before_rad: head angle of the trial before. start_s: when the
+    motor starts. view: how the trial is seen; without, no measurement errors. units: of the robot
+    whose effects are simulated, where it is another one.
     """
     robot, pool = setup.robot, setup.pool
     units = units or robot_units(robot)
@@ -81,6 +82,7 @@ def constants_of_robot_trial(
         "L_pool": pool.length_m,
         "W_pool": pool.width_m,
         "psi0": heading_rad,
+        "phi0": angle_before_rad,
         "t_start": start_s,
         "length_unit": units.length,
         "speed_unit": units.speed,

@@ -5,11 +5,14 @@ Mean motion of one coordinate (integrated Ornstein-Uhlenbeck acceleration, after
 s = speed / usual speed: against a drag D v^2 with steady thrust, m v' = T - D v^2, the
 acceleration obeys a' = -(2 D v / m) a, so that a start from rest (v_inf tanh) and a steady motion
 both are free of noise; so is the yaw rate of a turn from rest, which keeps its radius. Around the
-start w_a is larger, by a factor that is searched with the rest: forces set in there. Recoil: a
-damped stochastic oscillator at the flapping frequency, stationary with standard deviation s. Over
-how many tail beats it is coherent is searched too: a motor of constant speed makes a recoil that is
-nearly periodic, a fish does not. A recoil of too little coherence follows the measurement noise and
-takes slow motions out of the mean (docs/decisions/061).
+start w_a is larger, by a factor that is searched with the rest: forces set in there.
+
+Recoil: a damped stochastic oscillator at the flapping frequency, of constant variance. Its
+autocorrelation over b beats is
+    cos(2 pi b) exp(-b / M - b d onset)
+with the coherence M in beats and the decay rate d at the onset, where the recoil builds up. Both
+are searched: the recoil of a motor at constant speed is nearly periodic, that of a fish is not. A
+recoil of too little coherence describes measurement noise and slow motions (docs/decisions/061).
 
 In the plane v and a are surge and sway in the frame of the mean heading theta(t), known from the
 heading's own model: in a steady turn they are constant, which they are not in the pool frame.
@@ -33,11 +36,10 @@ beats would describe any disturbance of the motion."""
 def heading_matrices(noise, dt, hz, nominal):  # type: ignore[no-untyped-def]
     """F, Q (n, 5, 5) of an angle: angle, rate, acceleration, recoil and its quadrature.
 
-    noise: (tau s, density of w_v, density of w_a, start-up factor, recoil variance, further beats
-    of coherence beyond `MIN_RECOIL_COHERENCE_BEATS`, build-up factor). dt: (n,) s, dt[0] unused.
-    nominal: (n, 3): onset from 0 to 1, by which the start-up factor multiplies w_a and with which,
-    times the build-up factor, the recoil is renewed in every beat; relative speed; heading noise, a
-    density added to that of sway's w_v.
+    noise: (tau s, density of w_v, density of w_a, start-up factor, recoil variance, coherence above
+    `MIN_RECOIL_COHERENCE_BEATS` in beats, decay rate at the onset per beat). dt: (n,) s, dt[0]
+    unused. nominal: (n, 3): onset from 0 to 1, by which start-up factor and decay rate are
+    multiplied; relative speed; heading noise, a density added to that of sway's w_v.
     """
     n, d = len(dt), 5 if hz > 0 else 3
     F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
@@ -120,9 +122,9 @@ def _rotate_to_pool_frame(F, Q, c, s, chord):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _fill_recoil_blocks(F, Q, beats, recoil, onset, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    """Blocks of an oscillator that the onset renews; its variance stays. beats: in this step.
+    """Blocks of the oscillator over a step of so many beats.
 
-    recoil: (variance, further beats of coherence, build-up factor).
+    recoil: variance, coherence above the least in beats, decay rate at the onset per beat.
     """
     variance = recoil[0]
     coherence_beats = MIN_RECOIL_COHERENCE_BEATS + recoil[1]

@@ -22,9 +22,9 @@ from .screening import ScreenedMeasurements, screen_measurements
 PRIOR_LOG_NOISE_STDS = (1.0, 6.0, 6.0, 3.0)
 """Prior deviation of the logs of tau, rate noise, acceleration noise and start-up factor."""
 PRIOR_LOG_SWAY_SHARE_STD, PRIOR_LOG_RECOIL_STD, PRIOR_LOG_R_STD = 4.0, 3.0, 0.7
-RECOIL_COHERENCE_UNIT_BEATS, RECOIL_BUILD_UP_UNIT = 300.0, 0.15
-"""Units of the recoil's further coherence and of its build-up factor, where the search starts. The
-medians of five simulated studies are 23 to 33,000 beats and 0.02 to 0.15 (decision 061)."""
+RECOIL_COHERENCE_UNIT_BEATS, RECOIL_ONSET_DECAY_UNIT_PER_BEAT = 300.0, 0.15
+"""Prior medians of the recoil's coherence and of its decay rate at the onset, where the search
+starts. Estimates in five simulated studies have medians of 23 to 33,000 and 0.02 to 0.15."""
 PRIOR_LOG_RECOIL_COHERENCE_STDS = (3.0, 3.0)
 """Prior deviations of the logs of both."""
 UNIT_NOISE_SIGMAS = 2.0
@@ -271,14 +271,14 @@ def _starting_log_noise(m: int, recoils: int, logs: Float) -> list[Float]:
 
 def _noise_units(data: ScreenedMeasurements, grid: FilterTimeGrid, recoils: int) -> Float:
     """Units of tau (s), density of rate and acceleration noise, start-up, share of sway, recoils,
-    their further coherence (beats) and build-up.
+    their coherence (beats) and decay at the onset (per beat).
 
     Variance of a steady rate: 12 R / (frames span^2), slope of a line through white noise.
     """
     steady = 12 * data.variance / (data.plausible.sum() * data.span_s**2)
     densities = UNIT_NOISE_SIGMAS**2 * steady * np.array([1 / data.span_s, 3 / data.span_s**3])
     shares = [1.0] * (data.z.shape[1] - 1)
-    coherence = [RECOIL_COHERENCE_UNIT_BEATS, RECOIL_BUILD_UP_UNIT] if recoils else []
+    coherence = [RECOIL_COHERENCE_UNIT_BEATS, RECOIL_ONSET_DECAY_UNIT_PER_BEAT] if recoils else []
     return np.array(
         [2 * grid.scale_s, *densities, 3.0, *shares, *[data.variance] * recoils, *coherence]
     )

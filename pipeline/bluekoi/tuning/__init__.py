@@ -3,7 +3,12 @@
 from .joint_fit import JointFit, coefficient_cell, coefficient_table, fit_all_trials
 from .paper_steps import fit_paper_steps
 from .results import coefficients_json_and_fit, simulation_columns_by_trial, table_1, table_2
-from .series import study_series, trial_series
+from .series import (
+    HEAD_ANGLE_STD_RAD,
+    downsampled_with_head_angle_changes,
+    study_series,
+    trial_series,
+)
 from .similar_robots import downsampled, robot_units_of_trials, trial_kernel
 from .stability import straight_swimming_growth_per_s
 from .steady_errors import steady_errors

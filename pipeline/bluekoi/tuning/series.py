@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,10 +12,13 @@ from ..fitting import TrialSeries
 from ..model import RobotUnits, constants_of_robot_trial, robot_units, two_plate_system
 from ..observation import camera_error_inputs
 from ..study import Study, StudySettings, Trial
-from .similar_robots import state_std_scaled_to_robot
+from .similar_robots import DEFAULT_BLOCK_RATE_HZ, downsampled, state_std_scaled_to_robot
 
 OUTLIER_SIGMA = 6.0
-SERVO_STD_RAD = 0.01  # ASSUME a servo error of 0.6 degrees, constant within a trial
+HEAD_ANGLE_STD_RAD = 0.01
+"""ASSUME 0.6 degrees: standard deviation of the error of the measured head angle that is constant
+within a trial. In the search for causes, the servo's error (`SERVO_STD_RAD`) has a part of its
+own."""
 RECOIL_ERROR_CORRELATION_BEATS = 0.25
 """Beats for which an error of the recoil keeps its sign: an oscillation is on one side for half a
 beat, and its mean over longer blocks falls. Once a beat makes the true causes of 14 known studies
@@ -38,22 +42,25 @@ def study_series(
     flapping: Mapping[str, FlappingFrequency],
 ) -> list[TrialSeries]:
     """A `TrialSeries` for every trial that has a pose, a track and a flapping frequency."""
+    before = [0.0, *(trial.head_angle_rad for trial in study.trials)]
     return [
-        trial_series(trial, study.setup, poses[i], tracks[i], flapping[i])
-        for trial in study.trials
+        trial_series(trial, study.setup, poses[i], tracks[i], flapping[i], angle_before_rad=angle)
+        for trial, angle in zip(study.trials, before, strict=False)
         for i in [trial.trial_id]
         if i in poses and i in tracks and i in flapping
     ]
 
 
 def trial_series(
-    trial: Trial, setup: StudySettings, pose: Pose, track: Track, flapping: FlappingFrequency
-) -> TrialSeries:
+    trial: Trial, setup: StudySettings, pose: Pose, track: Track, flapping: FlappingFrequency, *,
+    angle_before_rad: float = 0.0,
+) -> TrialSeries:  # fmt: skip
     """One trial: poses without the tail-beat recoil, outliers and frames that were hardly seen, and
-    what was commanded, from the start of the motor on.
+    what was commanded, from the start of the motor on. angle_before_rad: head angle commanded in
+    the trial before.
 
-    The head angle of a trial counts as one observation of `SERVO_STD_RAD`, spread over its frames:
-    its error is the servo's and the keypoints', the same in every frame.
+    The head angle of a trial counts as one observation of `HEAD_ANGLE_STD_RAD`, spread over its
+    frames, since its error is the same in every frame (`downsampled_with_head_angle_changes`).
     """
     started = float(np.nan_to_num(flapping.start_s))
     started = started if started < 0.5 * track.time_s[-1] else 0.0
@@ -64,7 +71,7 @@ def trial_series(
     seen = _without_recoil(pose.values[inside], times, track)
     noise = pose.cov[inside].copy()
     noise[:, 3, :3] = noise[:, :3, 3] = 0.0
-    noise[:, 3, 3] += SERVO_STD_RAD**2 * len(times)
+    noise[:, 3, 3] += _head_angle_variance_per_frame(len(times))
     unusable = ~np.all(np.isfinite(noise), axis=(1, 2)) | _is_far_from_track(
         seen, noise, times, track
     )
@@ -86,6 +93,7 @@ def trial_series(
             setup,
             trial.head_length_m,
             heading_rad=start[2],
+            angle_before_rad=angle_before_rad,
             start_s=-LONG_BEFORE_S if swims else started,
             view=camera_error_inputs(setup),
         ),
@@ -95,6 +103,27 @@ def trial_series(
         cov=np.diag(np.concatenate([start_std, np.full(others, 1e-6)]) ** 2),
         force_size=_random_force_size(flapping.flap_hz, robot_units(setup.robot)),
     )
+
+
+def downsampled_with_head_angle_changes(
+    series: Sequence[TrialSeries], rate_hz: float = DEFAULT_BLOCK_RATE_HZ
+) -> list[TrialSeries]:
+    """As `downsampled`, but changes of the head angle within a trial count: its noise is that of
+    the frames, for fits that have the error which is constant within a trial as a `TrialEffect`.
+
+    series: as `trial_series` makes them.
+    """
+    out = []
+    for one in series:
+        noise = one.noise.copy()
+        noise[:, 3, 3] -= _head_angle_variance_per_frame(len(one.times))
+        out.append(replace(one, noise=noise))
+    return downsampled(out, rate_hz, constant=())
+
+
+def _head_angle_variance_per_frame(frames: int) -> float:
+    """Variance of a frame's head angle (rad^2) for which `frames` of them are one observation."""
+    return HEAD_ANGLE_STD_RAD**2 * frames
 
 
 def _swims_in_first_frame(track: Track) -> bool:

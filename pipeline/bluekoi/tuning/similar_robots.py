@@ -43,14 +43,16 @@ def state_std_scaled_to_robot(units: RobotUnits, std: Float) -> Float:
 
 
 def downsampled(
-    series: Sequence[TrialSeries], rate_hz: float = DEFAULT_BLOCK_RATE_HZ
-) -> list[TrialSeries]:
-    """The trials as fits take them: about `rate_hz` observations in the unit of time of the robot,
-    head angle once a trial.
+    series: Sequence[TrialSeries], rate_hz: float = DEFAULT_BLOCK_RATE_HZ, *,
+    constant: Sequence[int] = (HEAD_ANGLE_COLUMN,),
+) -> list[TrialSeries]:  # fmt: skip
+    """The trials as fits take them: about `rate_hz` observations in the unit of time of the robot.
+
+    constant: observations that count once a trial (`block_averaged`).
     """
     if not series:
         return []
     unit = robot_units_of_trials(series).time
-    return [block_averaged(s, rate_hz / unit, constant=(HEAD_ANGLE_COLUMN,),
+    return [block_averaged(s, rate_hz / unit, constant=constant,
                            half_window_s=PARABOLA_HALF_WINDOW_S * unit)
             for s in series]  # fmt: skip

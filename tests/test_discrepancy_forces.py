@@ -26,7 +26,7 @@ from bluekoi.fitting import ParameterFit, fit_parameters_jointly
 from bluekoi.integrate import compile_system
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.model import two_plate_system
-from bluekoi.tuning import downsampled, fit_all_trials
+from bluekoi.tuning import downsampled, downsampled_with_head_angle_changes, fit_all_trials
 from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
 
 SURGE, SWAY, YAW = range(3)

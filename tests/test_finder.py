@@ -59,7 +59,12 @@ from bluekoi.stages.mismatch import (
 from bluekoi.stages.motor_measurements import with_frequency_drift, with_spin_up_time_measurement
 from bluekoi.study import Study
 from bluekoi.study.data_split import held_out_trials
-from bluekoi.tuning import downsampled, fit_all_trials, trial_series
+from bluekoi.tuning import (
+    downsampled,
+    downsampled_with_head_angle_changes,
+    fit_all_trials,
+    trial_series,
+)
 from bluekoi.tuning.identify import likelihood_profiles
 from measured_studies import MeasuredStudy, measure_design
 from small_studies import published_model_design

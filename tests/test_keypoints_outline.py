@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -13,6 +14,7 @@ from test_keypoints_silhouette import STRAIGHT, setup_of_design, trial_of_plan
 
 from bluekoi.camera import pool_camera, pool_to_pixels
 from bluekoi.data import Frame
+from bluekoi.keypoints.outline import ghost_removal
 from bluekoi.keypoints.outline.background import (
     ROWS_PER_STRIP,
     grey_level_quantiles,
@@ -225,6 +227,31 @@ def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length(
     loss = nose_loss_by_blur(start.angles, wider.radii, 0.003)
     assert wider.radii[0] - blurred.radii[0] == pytest.approx(loss, rel=0.1)
     assert len(points) == len(skin) == len(part) == wider.visible_stations().sum()
+
+
+@pytest.mark.parametrize(("hidden", "made_again"), [(2, False), (3, True)])
+def test_background_is_made_again_where_the_robot_hides_more_than_a_quarter_of_the_frames(
+    monkeypatch, hidden, made_again
+):
+    """Of eight frames; the robot stands at one place in so many, and elsewhere in the others."""
+    columns = [0] * hidden + list(range(4, 4 * (9 - hidden), 4))
+    frames = [SimpleNamespace(luma=np.full((4, 40), 100, np.uint8)) for _ in columns]
+    for frame, column in zip(frames, columns, strict=True):
+        frame.luma[:, column : column + 4] = 20
+    outline = SimpleNamespace(
+        samples=list(zip(frames, columns, strict=True)),
+        template=SimpleNamespace(half=np.ones(3)),
+    )
+    scene = SimpleNamespace(floor=np.full((4, 40), 50, np.uint8))
+    monkeypatch.setattr(
+        ghost_removal,
+        "robot_mask",
+        lambda column, *_: ((slice(0, 4), slice(column, column + 4)), np.ones((4, 4), np.uint8)),
+    )
+    found = ghost_removal.background_without_robot(outline, scene)
+    assert (found is not None) is made_again
+    if made_again:
+        assert np.all(found[:, :4] == 100)
 
 
 def test_what_hides_the_floor_is_left_out_of_its_median():

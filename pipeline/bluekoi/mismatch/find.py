@@ -118,8 +118,8 @@ def find_mismatch(
     train = [s for s in averaged if s.name not in held_out]
     test = [s for s in series if s.name in held_out] or list(series)
     baseline = fit_all_trials(train) if displaced else baseline
-    measured = [s for s in series if s.name not in held_out]
-    searched = downsampled_with_head_angle_changes(measured, SEARCH_RATE_HZ)
+    train_frames = [s for s in series if s.name not in held_out]
+    searched = downsampled_with_head_angle_changes(train_frames, SEARCH_RATE_HZ)
     camera = study.setup.camera
     problem = robot_problem(kernel, searched, baseline, displaced=displaced, progress=progress,
                             by_homography=camera is not None and camera.matrix is None)  # fmt: skip
@@ -127,8 +127,10 @@ def find_mismatch(
     problem = visited.problem
     fitted = list(visited.sets.values())
     found = posterior_over_sets(problem, fitted)
-    finer = downsampled_with_head_angle_changes(measured)
-    chosen = choose_causes(found, problem.by_name, partial(fit_extended, problem, finer, baseline))
+    train_blocks = downsampled_with_head_angle_changes(train_frames)
+    chosen = choose_causes(
+        found, problem.by_name, partial(fit_extended, problem, train_blocks, baseline)
+    )
     named, best, (final, extended) = chosen.named, chosen.best, chosen.model
     progress("missing force")
     models = {"baseline": baseline, "extended": extended}

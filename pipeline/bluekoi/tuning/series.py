@@ -9,10 +9,11 @@ import numpy as np
 
 from ..data import FlappingFrequency, Float, Pose, Track, has_excess_variance
 from ..fitting import TrialSeries
+from ..fitting.block_average import DEFAULT_BLOCK_RATE_HZ
 from ..model import RobotUnits, constants_of_robot_trial, robot_units, two_plate_system
 from ..observation import camera_error_inputs
 from ..study import Study, StudySettings, Trial
-from .similar_robots import DEFAULT_BLOCK_RATE_HZ, downsampled, state_std_scaled_to_robot
+from .similar_robots import HEAD_ANGLE_COLUMN, downsampled, state_std_scaled_to_robot
 
 OUTLIER_SIGMA = 6.0
 HEAD_ANGLE_STD_RAD = 0.01
@@ -113,10 +114,10 @@ def downsampled_with_head_angle_changes(
 
     series: as `trial_series` makes them.
     """
-    out = []
+    out, o = [], HEAD_ANGLE_COLUMN
     for one in series:
         noise = one.noise.copy()
-        noise[:, 3, 3] -= _head_angle_variance_per_frame(len(one.times))
+        noise[:, o, o] -= _head_angle_variance_per_frame(len(one.times))
         out.append(replace(one, noise=noise))
     return downsampled(out, rate_hz, constant=())
 

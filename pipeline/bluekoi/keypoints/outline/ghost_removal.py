@@ -21,9 +21,9 @@ from .tracking import DetectionScene, OutlineFit
 ROBOT_MARGIN_BL = 0.036
 TAIL_MASK_LENGTH_RATIO = 1.15
 MAX_HIDDEN_FRAME_SHARE = 0.25
-"""Share of the frames in which the robot may hide a place of the floor, for speed. The median is
-then the 1/3 quantile of the frames that show it: at most 0.43 standard deviations of their
-brightness off."""
+"""Share of the frames in which the robot may hide a place of the floor without the background being
+computed again, which takes time. The median is then the 1/3 quantile of the frames that show the
+place: at most 0.43 standard deviations of their brightness off."""
 Region = tuple[slice, slice]
 
 

@@ -362,6 +362,19 @@ def test_the_sentence_says_on_which_trials(demo: tuple[MeasuredStudy, MismatchRe
             in verdict_sentence(worse, causes))  # fmt: skip
 
 
+def test_the_sentence_gives_the_alternatives_to_each_cause(
+    demo: tuple[MeasuredStudy, MismatchResult],
+) -> None:
+    m, found = demo
+    first, *others = mismatch_json(found, m.study, m.series)["causes"]
+    taken = others[0]["name"] if others else first["name"]
+    doubtful = first | {"credible_set": [first["name"], "wall_effect", taken], "weight": 0.6}
+    said = verdict_sentence(found, [doubtful, *others])
+    assert (f"{first['name']} (probability 0.60; or wall_effect: these trials cannot separate them)"
+            in said)  # fmt: skip
+    assert said.count("cannot separate") == 1 + sum(len(c["credible_set"]) > 1 for c in others)
+
+
 def test_every_candidate_and_an_unlisted_force_may_be_a_rival(
     demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:

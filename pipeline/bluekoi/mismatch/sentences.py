@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from ..engine.naming import UNLISTED_FORCE_LABEL
@@ -20,8 +20,9 @@ def verdict_sentence(found: MismatchResult, named: Sequence[Mapping[str, Any]]) 
     """One sentence of verdict."""
     if found.verdict == "none":
         return _no_cause_sentence(found)
+    taken = {c["name"] for c in named}
     names = " and ".join(
-        _cause_with_probability_text(c) for c in named if c["name"] != UNLISTED_FORCE_LABEL
+        _cause_with_doubt_text(c, taken) for c in named if c["name"] != UNLISTED_FORCE_LABEL
     )
     errors = _path_error_clause(found)
     first = f"{_physics_or_measurement(named)}: {names}" if names else ""
@@ -29,10 +30,7 @@ def verdict_sentence(found: MismatchResult, named: Sequence[Mapping[str, Any]]) 
     if found.verdict == UNLISTED_FORCE_LABEL:
         beside = f"{first}; in addition a" if first else "A"
         return f"{beside} force acts that no listed cause describes; {errors}{excess}."
-    members = {n for c in named for n in c.get("credible_set", ())} - {c["name"] for c in named}
-    doubt = [UNLISTED_FORCE if n == UNLISTED_FORCE_LABEL else n for n in sorted(members)]
-    instead = f" (or {', '.join(doubt)}: these trials cannot separate them)" if doubt else ""
-    return f"{first}{instead}; {errors}{excess}."
+    return f"{first}; {errors}{excess}."
 
 
 def _no_cause_sentence(found: MismatchResult) -> str:
@@ -70,9 +68,14 @@ def _physics_or_measurement(named: Sequence[Mapping[str, Any]]) -> str:
     return "Measurement error" if kind == "measurement" else "Missing physics"
 
 
-def _cause_with_probability_text(cause: Mapping[str, Any]) -> str:
+def _cause_with_doubt_text(cause: Mapping[str, Any], named: Collection[str]) -> str:
+    """Name of a cause, its probability where that is small, and the alternatives to it."""
     p = float(cause["weight"])
-    return str(cause["name"]) + (f" (probability {p:.2f})" if p < MIN_UNSTATED_PROBABILITY else "")
+    probability = [f"probability {p:.2f}"] if p < MIN_UNSTATED_PROBABILITY else []
+    others = sorted(set(cause.get("credible_set", ())) - set(named))
+    listed = ", ".join(UNLISTED_FORCE if n == UNLISTED_FORCE_LABEL else n for n in others)
+    doubt = [*probability, *([f"or {listed}: these trials cannot separate them"] if others else [])]
+    return str(cause["name"]) + (f" ({'; '.join(doubt)})" if doubt else "")
 
 
 def excess_error_clause(found: MismatchResult) -> str:

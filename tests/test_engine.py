@@ -26,6 +26,7 @@ from bluekoi.engine import (
     insignificance_sentence,
     insignificant_causes,
     named_causes,
+    own_noise,
     posterior_over_sets,
     search,
     search_cause_sets,
@@ -33,7 +34,7 @@ from bluekoi.engine import (
     strength_estimates,
 )
 from bluekoi.engine.calibration import calibrated_probability, calibrated_shares_of_alternatives
-from bluekoi.engine.candidates import Candidate
+from bluekoi.engine.candidates import Candidate, strength_step
 from bluekoi.engine.collinear_terms import collinear_terms
 from bluekoi.engine.evidence import laplace_log_evidence, log_evidence
 from bluekoi.engine.expansion import expand_likelihood_in_all_forms, one_step_strength_estimates
@@ -41,6 +42,7 @@ from bluekoi.engine.own_noise import (
     MIN_ROUND_GAIN_LOG_LIK,
     SMALL_FORCE_CORRELATION_TIME_S,
     SMALL_FORCE_SHARE,
+    fit_without_causes,
     noise_with_small_random_forces,
 )
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
@@ -54,6 +56,7 @@ from bluekoi.engine.subset import d_optimal_trial_subset
 from bluekoi.fitting import Z_95, FreeParameter, Noise, TrialSeries, cluster_robust_covariance
 from bluekoi.fitting.trial_effects import marginal_products
 from bluekoi.integrate import Effect, Parameter, Stage, System, compile_system
+from bluekoi.model import two_plate_system
 from validation.noise_starts import gain_table, gains_of_sets
 from validation.search_limits import round_gains
 
@@ -460,6 +463,40 @@ def test_other_starts_of_the_noise_reach_the_same_fit(share: float) -> None:
         for noise in (problem.noise, other)
     )
     assert again.log_joint == pytest.approx(first.log_joint, abs=MIN_ROUND_GAIN_LOG_LIK)
+
+
+def test_the_model_without_causes_is_fitted_from_two_noises_and_the_likelier_fit_kept(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Random forces so large that the filter runs away do not end a search."""
+    problem = driven_mass_problem(driven_mass_trials(0.3, 0.1))
+    small = noise_with_small_random_forces(problem, problem.noise)
+    singly = [fit_own_noise(problem, fit_cause_set(problem, (), noise, {}))
+              for noise in (problem.noise, small)]  # fmt: skip
+    both = fit_without_causes(problem, {})
+    assert both.log_joint == max(model.log_joint for model in singly)
+
+    def upset_by_large_forces(
+        problem: CauseSearchProblem, causes: Sequence[str], noise: Noise, known: dict[str, float]
+    ) -> FittedCauseSet:
+        model = fit_cause_set(problem, causes, noise, known)
+        if noise is not problem.noise:
+            return model
+        normal = replace(model.fit.normal, log_likelihood=np.full(len(problem.series), np.nan))
+        return replace(model, fit=replace(model.fit, normal=normal))
+
+    monkeypatch.setattr(own_noise, "fit_cause_set", upset_by_large_forces)
+    found = fit_without_causes(problem, {})
+    assert found.usable
+    assert found.log_joint == singly[1].log_joint
+
+
+@pytest.mark.parametrize("effect", [e for e in two_plate_system().effects if e.strengths])
+def test_a_difference_of_a_strength_is_small_beside_the_start_of_its_fits(effect: Effect) -> None:
+    """One that doubles the thrust of a small robot upsets its motion."""
+    for one in effect.parameters[: effect.strengths]:
+        step = strength_step(two_plate_system(), FreeParameter(f"{effect.name}.{one.name}"))
+        assert 0.0 < step <= 1e-3 * (abs(one.start) or 0.01 * (one.upper - one.lower))
 
 
 def test_a_search_on_a_subset_of_many_trials_names_the_same_causes_as_one_on_all() -> None:

@@ -119,7 +119,8 @@ def _laplace_log_evidences(H: Float, g: Float, lay: CauseSetColumns, given: Floa
     rest = index[own]
     if own.any():
         whole = cov[:, own][:, :, own]  # G^-1
-        gain += 0.5 * np.linalg.slogdet(whole)[1]
+        with np.errstate(invalid="ignore"):  # of a set with which a trial runs away: NaN
+            gain += 0.5 * np.linalg.slogdet(whole)[1]
         gain += 0.5 * np.log(given[:, rest][:, lay.gaussian[rest]]).sum(axis=1)
     held = np.flatnonzero(lay.held & (np.arange(len(lay.at)) >= lay.count))
     across = H[np.ix_(held, index)]

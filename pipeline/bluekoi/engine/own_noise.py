@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from ..data import Float
 from ..fitting import Noise, estimate_noise_model, filter_all
 from ..fitting.filtering import disturbance_slots
 from ..fitting.trial_effects import parameter_vectors_with_trial_effects
+from ..integrate.batch import threaded_map
 from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
-from .refit import FittedCauseSet, refit_from_fitted_values, start_values, total_log_likelihood
+from .refit import (
+    FittedCauseSet,
+    fit_cause_set,
+    refit_from_fitted_values,
+    start_values,
+    total_log_likelihood,
+)
 
 SMALL_FORCE_SHARE, SMALL_FORCE_CORRELATION_TIME_S = 0.05, 0.5
 """Random forces under which further causes are proposed and first fitted, as a share of a set's,
@@ -42,6 +50,23 @@ def fit_own_noise(
             return again
         best = again
     return best
+
+
+def fit_without_causes(
+    problem: CauseSearchProblem, start: Mapping[str, float], *, most: int = MAX_NOISE_ROUNDS
+) -> FittedCauseSet:
+    """The model without causes under its own noise, begun at the noise of the problem and at small
+    random forces: the likelier fit.
+
+    Random forces in the place of what is missing are a maximum of the likelihood, though not always
+    the highest, and large ones may upset the filter. most: as in `fit_own_noise`.
+    """
+    starts = (problem.noise, noise_with_small_random_forces(problem, problem.noise))
+    found = threaded_map(
+        lambda noise: fit_own_noise(problem, fit_cause_set(problem, (), noise, start), most=most),
+        starts,
+    )
+    return max(found, key=lambda model: model.log_joint)
 
 
 def refit_without_discrepancy(problem: CauseSearchProblem, model: FittedCauseSet) -> FittedCauseSet:

@@ -32,9 +32,14 @@ from .expansion import (
     restricted_to_likeliest_forms,
 )
 from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FitRequest, FittedCauseSets
-from .own_noise import fit_own_noise, is_likelier_under_noise, noise_with_small_random_forces
+from .own_noise import (
+    fit_own_noise,
+    fit_without_causes,
+    is_likelier_under_noise,
+    noise_with_small_random_forces,
+)
 from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
-from .refit import FittedCauseSet, fit_cause_set, refit_from_fitted_values, strength_starts
+from .refit import FittedCauseSet, refit_from_fitted_values, strength_starts
 from .residual_magnitudes import plausible_residual_magnitudes
 from .set_columns import columns_of_cause_set
 from .set_score import ScoredCauseSet, score_cause_set
@@ -103,7 +108,7 @@ def search_cause_sets(
     """
     if len(problem.series) <= MAX_SEARCH_TRIALS:
         return _search_on_trials(problem, start or {})
-    plain = fit_cause_set(problem, (), problem.noise, start or {})
+    plain = fit_without_causes(problem, start or {}, most=0)
     part = d_optimal_trial_subset(expand_likelihood(problem, plain).hessian, MAX_SEARCH_TRIALS)
     few = replace(problem, series=tuple(problem.series[i] for i in part))
     return _verify_on_all_trials(problem, _search_on_trials(few, plain.fit.by_label()))
@@ -142,7 +147,7 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
 
     Raises: LinAlgError where the model without causes has no finite fit.
     """
-    first = fit_own_noise(problem, fit_cause_set(problem, (), problem.noise, start))
+    first = fit_without_causes(problem, start)
     problem.check_baseline(first.noise, first.passes)
     whole, tried = expand_likelihood_in_all_forms(problem, first)
     if not whole.usable:

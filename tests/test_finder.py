@@ -402,7 +402,10 @@ def test_nothing_is_said_where_nothing_is_determined(
     wide = replace(found.baseline, cov=1e6 * found.baseline.cov)
     blind = replace(found, verdict="none", baseline=wide)
     assert "the search cannot tell" in verdict_sentence(blind, [])
-    assert "No mismatch beyond the noise" in verdict_sentence(replace(found, verdict="none"), [])
+    none = replace(found, verdict="none")
+    assert "No mismatch beyond the noise" in verdict_sentence(none, [])
+    doubtful = replace(none, misfit_warnings=["The parameters differ between trials."])
+    assert "does not describe these trials (see the warnings)" in verdict_sentence(doubtful, [])
 
 
 def _late_recording(one: TrialSeries, frames: int, rng: np.random.Generator) -> TrialSeries:

@@ -73,7 +73,8 @@ class MismatchResult:
     baseline lacks, on all trials. errors: of both models on the held-out trials; floor_m: path
     error that a true model would have there; stretch_s: length of the compared
     segments.
-    displacements: where the camera was, or seemed to be, moved during a trial.
+    displacements: where the camera was, or seemed to be, moved during a trial. misfit_warnings:
+    those of the warnings that say that the most probable set does not describe the trials.
     """
 
     verdict: str
@@ -93,6 +94,7 @@ class MismatchResult:
     stretch_s: float
     displacements: Sequence[CameraDisplacement] = ()
     warnings: Sequence[str] = ()
+    misfit_warnings: Sequence[str] = ()
 
 
 def find_mismatch(
@@ -155,14 +157,16 @@ def find_mismatch(
         errors["extended"] = errors["baseline"]
     gains = {c.name: log_evidence_gain(fitted, best, c.name) for c in named}
     ordered = sorted(named, key=lambda c: -gains[c.name])
+    misfits = model_warnings(kernel, train, best)
     return MismatchResult(
         verdict=verdict_of(kernel, ordered, chosen.unexplained), posterior=found, named=ordered,
         unexplained=chosen.unexplained, model=final, gains=gains, baseline=baseline,
         extended=extended, fitted_to=fitted_to, forces=forces, dependences=depends,
         held_out=[s.name for s in test], errors=errors, floor_m=paths.floor_m,
         stretch_s=paths.horizon_s, displacements=displaced,
+        misfit_warnings=misfits,
         warnings=[*map(insignificance_sentence, chosen.insignificant),
-                  *model_warnings(kernel, train, best),
+                  *misfits,
                   *_unconfirmed_warnings(named, held_out),
                   *undetermined_cause_warnings(kernel.system, train),
                   *([drifting.sentence] if drifting else [])],

@@ -41,6 +41,11 @@ def _no_cause_sentence(found: MismatchResult) -> str:
         )
     if extra := excess_error_clause(found):
         return f"No cause has a probability above 1/2, but {_path_error_clause(found)}{extra}."
+    if found.misfit_warnings:
+        return (
+            "No cause has a probability above 1/2, but the model without further causes does not "
+            "describe these trials (see the warnings)."
+        )
     return "No mismatch beyond the noise: the model without further causes describes these trials."
 
 

@@ -21,6 +21,7 @@ from bluekoi.engine import (
     PriorInclusionProbabilities,
     candidates_by_effect_name,
     expand_likelihood,
+    expansion,
     fit_cause_set,
     fit_own_noise,
     insignificance_sentence,
@@ -34,7 +35,7 @@ from bluekoi.engine import (
     strength_estimates,
 )
 from bluekoi.engine.calibration import calibrated_probability, calibrated_shares_of_alternatives
-from bluekoi.engine.candidates import Candidate, strength_step
+from bluekoi.engine.candidates import Candidate
 from bluekoi.engine.collinear_terms import collinear_terms
 from bluekoi.engine.evidence import laplace_log_evidence, log_evidence
 from bluekoi.engine.expansion import expand_likelihood_in_all_forms, one_step_strength_estimates
@@ -54,9 +55,9 @@ from bluekoi.engine.set_score import (
 )
 from bluekoi.engine.subset import d_optimal_trial_subset
 from bluekoi.fitting import Z_95, FreeParameter, Noise, TrialSeries, cluster_robust_covariance
+from bluekoi.fitting.normal import NormalEquationsByTrial
 from bluekoi.fitting.trial_effects import marginal_products
 from bluekoi.integrate import Effect, Parameter, Stage, System, compile_system
-from bluekoi.model import two_plate_system
 from validation.noise_starts import gain_table, gains_of_sets
 from validation.search_limits import round_gains
 
@@ -491,12 +492,29 @@ def test_the_model_without_causes_is_fitted_from_two_noises_and_the_likelier_fit
     assert found.log_joint == singly[1].log_joint
 
 
-@pytest.mark.parametrize("effect", [e for e in two_plate_system().effects if e.strengths])
-def test_a_difference_of_a_strength_is_small_beside_the_start_of_its_fits(effect: Effect) -> None:
-    """One that doubles the thrust of a small robot upsets its motion."""
-    for one in effect.parameters[: effect.strengths]:
-        step = strength_step(two_plate_system(), FreeParameter(f"{effect.name}.{one.name}"))
-        assert 0.0 < step <= 1e-3 * (abs(one.start) or 0.01 * (one.upper - one.lower))
+def test_a_difference_with_which_a_trial_runs_away_is_repeated_smaller(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    problem = driven_mass_problem(driven_mass_trials(0.3, 0.1))
+    model = fit_cause_set(problem, (), problem.noise, {})
+    plain = expand_likelihood(problem, model)
+    column = plain.strengths["constant_force"][0]
+    computed = expansion._trial_information_and_gradients
+    steps: list[float] = []
+
+    def upset_by_a_large_step(*args: object) -> NormalEquationsByTrial:
+        normal, changes = computed(*args), args[3]
+        steps.append(changes[column].step)
+        hessian = normal.hessian.copy()
+        if changes[column].step == steps[0]:
+            hessian[0, column] = np.nan
+        return replace(normal, hessian=hessian)
+
+    monkeypatch.setattr(expansion, "_trial_information_and_gradients", upset_by_a_large_step)
+    found = expand_likelihood(problem, model)
+    assert steps[1] == expansion.SMALLER_STEP_SHARE * steps[0]
+    assert found.usable
+    assert found.hessian.sum(axis=0) == pytest.approx(plain.hessian.sum(axis=0), rel=1e-3, abs=1.0)
 
 
 def test_a_search_on_a_subset_of_many_trials_names_the_same_causes_as_one_on_all() -> None:

@@ -128,11 +128,9 @@ def channel_variable_pairs_of(effect: Effect) -> ChannelVariablePairs:
 
 
 def strength_step(system: System, free: FreeParameter) -> float:
-    """Size of the difference by which a strength is varied about 0: small beside where fits of it
-    begin, so that it neither bends nor upsets an unstable motion.
-    """
+    """Size of the difference by which a strength is varied about 0."""
     p = parameter_definition(system, free)
-    return 1e-3 * (abs(p.start) or 0.01 * (p.upper - p.lower))
+    return 1e-3 * max(abs(p.start), 0.01 * (p.upper - p.lower))
 
 
 def form_precision(system: System, forms: Sequence[FreeParameter]) -> Float:

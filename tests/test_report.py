@@ -273,6 +273,13 @@ def test_the_heading_names_causes_of_every_kind(kind, second, heading):
     assert said["heading"] == heading
 
 
+def test_without_a_cause_the_heading_claims_no_more_than_the_sentence() -> None:
+    sentence = "No cause has a probability above 1/2, but the model does not describe these trials."
+    found = {"verdict": "none", "causes": [], "sentence": sentence}
+    said = verdict(Campaign(**{**exact_campaign().__dict__, "mismatch": found}))
+    assert said["heading"] == "No cause has a probability above 1/2"
+
+
 def test_a_run_without_search_or_fit_is_reported_as_such(tmp_path):
     text = write_page(Campaign(study=exact_campaign(powers=(75,)).study), tmp_path)
     assert "did not search for causes" in text

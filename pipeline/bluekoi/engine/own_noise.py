@@ -59,7 +59,7 @@ def fit_without_causes(
     random forces: the likelier fit.
 
     Random forces in the place of what is missing are a maximum of the likelihood, though not always
-    the highest, and large ones may upset the filter. most: as in `fit_own_noise`.
+    the highest, and the filter may diverge under large ones. most: as in `fit_own_noise`.
     """
     starts = (problem.noise, noise_with_small_random_forces(problem, problem.noise))
     found = threaded_map(

@@ -26,7 +26,7 @@ from ..explain.text import (
 from ..figures.drawing.style import AFTER_COLOUR, BEFORE_COLOUR, MEASURED_COLOUR, RC_PARAMS
 from ..files import write_text
 from ..fitting import free_runs
-from .template import VERDICT_HEADINGS, load_template
+from .template import load_template, verdict_heading
 
 MAX_TRIALS_SHOWN, PNG_DPI = 4, 130
 
@@ -38,7 +38,8 @@ def write_explanation(found: CauseSearchResult, predicted: Predicted | None, pat
 
 def explanation_page(found: CauseSearchResult, predicted: Predicted | None = None) -> str:
     """Text of the page."""
-    held, heading = found.held_out, VERDICT_HEADINGS[found.verdict]
+    held, sentence = found.held_out, verdict_sentence(found)
+    heading = verdict_heading(found.verdict, sentence)
     if found.named:
         heading += ": " + " and ".join(c.name.replace("_", " ") for c in found.named)
     samples = sum(len(s.times) for s in found.prepared.series)
@@ -48,7 +49,7 @@ def explanation_page(found: CauseSearchResult, predicted: Predicted | None = Non
         summary=f"{len(found.prepared.series)} trials, {samples} samples in the fit.",
         kind=found.verdict,
         heading=heading,
-        sentence=verdict_sentence(found),
+        sentence=sentence,
         warnings=found.warnings,
         causes=cause_rows(found),
         probabilities=probability_rows(found),

@@ -23,7 +23,7 @@ from .numbers import (
     value_with_interval,
     with_readable_names,
 )
-from .template import VERDICT_HEADINGS
+from .template import VERDICT_HEADINGS, verdict_heading
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def verdict(campaign: Campaign) -> dict[str, str]:
             "sentence": "This run did not search for causes of a mismatch.",
         }
     kind = str(found.get("verdict", "missing"))
-    heading = VERDICT_HEADINGS.get(kind, kind)
+    heading = verdict_heading(kind, str(found.get("sentence") or ""))
     causes = [(str(c.get("kind", kind)), readable_name(str(c["name"])))
               for c in found.get("causes") or []]  # fmt: skip
     listed = [c for c in causes if c[1] != "unexplained"]

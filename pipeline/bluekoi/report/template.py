@@ -5,6 +5,7 @@ The page of `bluekoi explain` needs nothing else of the report of a study.
 
 from __future__ import annotations
 
+import re
 from importlib.resources import files
 from typing import Any
 
@@ -17,6 +18,15 @@ VERDICT_HEADINGS = {
     "measurement": "Measurement error",
     "unexplained": "A mismatch that no known cause explains",
 }
+
+
+def verdict_heading(kind: str, sentence: str = "") -> str:
+    """Heading of a kind of verdict; without causes, the first clause of the verdict's sentence,
+    which tells whether the model describes the trials.
+    """
+    if kind == "none" and sentence:
+        return re.split("[:,]", sentence, maxsplit=1)[0]
+    return VERDICT_HEADINGS.get(kind, kind)
 
 
 def load_template(template: str, **values: Any) -> str:

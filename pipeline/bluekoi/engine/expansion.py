@@ -28,9 +28,6 @@ from .forces import rms_force_by_cause
 from .problem import CauseSearchProblem
 from .refit import FittedCauseSet, start_values
 
-SMALLER_STEP_SHARE = 0.01
-"""Share of its size at which a difference is repeated with which a trial ran away. Differences of
-residual terms go with their bounds; for a small robot, one of them was larger than the thrust."""
 TriedForms = dict[str, list[tuple[dict[str, float], tuple[int, ...]]]]
 """Candidate -> form (label -> value) and the columns of its strengths in it."""
 
@@ -120,10 +117,10 @@ def expand_likelihood_in_all_forms(
                 frees.append(candidate.strengths[0])
             forms[candidate.name] = tuple(range(first, len(changes)))
     normal = _trial_information_and_gradients(problem, model, points, changes, frees)
-    upset = ~np.isfinite(np.einsum("tpp->tp", normal.hessian)).all(axis=0).astype(bool)
-    if upset.any() and not upset[: len(own_columns)].any():
-        changes = [replace(c, step=SMALLER_STEP_SHARE * c.step) if away else c
-                   for c, away in zip(changes, upset, strict=True)]  # fmt: skip
+    runaway = np.flatnonzero(~np.isfinite(np.einsum("tpp->tp", normal.hessian)).all(axis=0))
+    if runaway.size and runaway[0] >= len(own_columns):  # of a candidate, not of the set itself
+        for k in runaway:
+            changes[k] = replace(changes[k], step=difference_step(kernel, frees[k], 0.0))
         normal = _trial_information_and_gradients(problem, model, points, changes, frees)
     hessian, gradient = _form_differences(normal.hessian, normal.gradient, strengths, forms)
     whole = LikelihoodExpansion(

@@ -202,15 +202,15 @@ def keypoint_bias(rng: Generator, typical: Typical) -> Law:
     # systematic label placement: Mathis et al. (2018), Nat. Neurosci. 21, 1281
 
     def act(view: View, size: float) -> None:
-        aside = sign * size
+        left_offset = sign * size
         if form == "core_across":
-            view.bias["core_center"] = lambda phi: np.full(len(phi), 1j * aside)
+            view.bias["core_center"] = lambda phi: np.full(len(phi), 1j * left_offset)
         elif form == "core_with_head_angle":
-            view.bias["core_center"] = lambda phi: (0.4 + 1j) * aside * np.sin(phi) * 2
+            view.bias["core_center"] = lambda phi: (0.4 + 1j) * left_offset * np.sin(phi) * 2
         elif form == "head_tip_across":
-            view.bias["head_tip"] = lambda phi: 1j * aside * np.exp(-1j * phi)
+            view.bias["head_tip"] = lambda phi: 1j * left_offset * np.exp(-1j * phi)
         else:
-            view.bias["tail_base"] = lambda phi: np.full(len(phi), 1j * aside)
+            view.bias["tail_base"] = lambda phi: np.full(len(phi), 1j * left_offset)
 
     return _law(
         "keypoint_bias",

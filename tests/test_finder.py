@@ -14,7 +14,6 @@ from bluekoi import smoothing
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.data import FlappingFrequency
 from bluekoi.engine import NamedCause, PriorInclusionProbabilities, candidates_by_effect_name
-from bluekoi.engine.fitted_sets import FitRequest, FittedCauseSets
 from bluekoi.engine.naming import UNLISTED_FORCE_LABEL
 from bluekoi.errors import InputError
 from bluekoi.files import to_json_types
@@ -61,7 +60,6 @@ from bluekoi.study import Study
 from bluekoi.study.data_split import held_out_trials
 from bluekoi.tuning import (
     downsampled,
-    downsampled_with_head_angle_changes,
     fit_all_trials,
     trial_series,
 )
@@ -443,33 +441,6 @@ def test_noise_is_left_where_the_filter_runs_away(
     assert not all(np.isfinite(f.log_likelihood)
                    for f in filter_all(kernel, few, wild, baseline.noise))  # fmt: skip
     assert estimate_noise_model(kernel, few, wild, baseline.noise).noise is baseline.noise
-
-
-def test_a_set_with_more_states_than_the_filter_has_lanes_is_not_fitted(
-    demo: tuple[MeasuredStudy, MismatchResult],
-) -> None:
-    """Fin, lift lag and stall: 16 states with those of the motion and of the noise. A run with one
-    wrong frame rate came to such a set and ended with a traceback; the filter had no lane for it.
-    """
-    m, found = demo
-    kernel, few = (
-        compile_system(two_plate_system()),
-        downsampled_with_head_angle_changes(m.series)[:2],
-    )
-    problem = robot_problem(kernel, few, found.baseline, displaced=(), progress=lambda _: None)
-    three = ("tail_fin_lift", "lift_lag", "stall")
-    assert problem.can_be_filtered(three[:2])
-    assert not problem.can_be_filtered(three)
-    visited = FittedCauseSets(problem)
-    assert visited.add(FitRequest(three, found.model)) is None
-    assert not visited.sets
-    strengths = ("tail_fin_lift.lift_area", "lift_lag.lagging_share", "stall.lift_loss")
-    points = [v.copy() for v in found.baseline.trial_values(kernel, few)]
-    for slot in (kernel.system.slot[name] for name in strengths):
-        for v in points:
-            v[slot] = kernel.system.parameters[slot].start
-    with pytest.raises(ValueError, match="16 states to filter, at most 15"):
-        filter_all(kernel, few, points, found.baseline.noise)
 
 
 def test_a_trial_in_which_a_model_runs_away_is_not_proposed(

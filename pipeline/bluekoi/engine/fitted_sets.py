@@ -74,8 +74,7 @@ class FittedCauseSets:
     def add(self, wanted: FitRequest) -> ScoredCauseSet | None:
         """Fit a set under its own noise and keep it where it fits better than before.
 
-        Returns: the best fit of the set so far; None where it runs away or has more states than the
-        filter.
+        Returns: the best fit of the set so far; None where it runs away.
         """
         return self.add_side_by_side([wanted])[0]
 
@@ -95,10 +94,8 @@ class FittedCauseSets:
         return [self.sets.get(one.key) for one in wanted]
 
     def _fitted(self, wanted: FitRequest) -> ScoredCauseSet | None:
-        """Fit of a set; None where it runs away or has more states than the filter."""
+        """Fit of a set; None where it runs away."""
         problem, near, causes, key = self.problem, wanted.near, wanted.causes, wanted.key
-        if not problem.can_be_filtered(key):
-            return None
         problem.progress(" + ".join(causes) or "baseline")
         known = {**near.fit.by_label(), **wanted.start}
         for cause in key - near.key:

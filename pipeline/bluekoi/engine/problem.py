@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..data import Float
 from ..fitting import FilterResults, FreeParameter, Noise, TrialSeries, trial_parameter_vector
-from ..fitting.filtering import MAX_FILTER_STATES
 from ..integrate import CompiledSystem
 from .candidates import Candidate
 
@@ -62,14 +61,6 @@ class CauseSearchProblem:
     def by_name(self) -> dict[str, Candidate]:
         """Candidates by name."""
         return {c.name: c for c in self.candidates}
-
-    def can_be_filtered(self, causes: Iterable[str]) -> bool:
-        """Whether the filter has a lane for each state of motion, noise and these causes."""
-        system = self.kernel.system
-        acting = {cause.partition(".")[0] for cause in causes}
-        own = [s for e in system.effects
-               if e.kind == "disturbance" or e.name in acting for s in e.states]  # fmt: skip
-        return len(system.states) + len(own) <= MAX_FILTER_STATES
 
     def covers(self, cause: Candidate, term: Candidate) -> bool:
         """Whether a residual term may stem from the formula of a cause: the same channel and

@@ -10,7 +10,7 @@ from typing import overload
 import numpy as np
 
 from ..data import Float
-from ..integrate import LANES, CompiledSystem, Effect, System
+from ..integrate import CompiledSystem, Effect, System
 from ..integrate.batch import active_effects_by_row, threaded_map
 from .series import Noise, TrialSeries, padded_arrays
 
@@ -19,8 +19,6 @@ MAX_FILTER_STEP_S = 1 / 30
 1/20 s would do for accuracy, but a strong fin damps yaw at 80/s, for which Runge and Kutta's steps
 are unstable from 1/30 s on.
 """
-MAX_FILTER_STATES = LANES - 1
-"""The transition matrix is differenced in one pass: a lane for each state, and one for the path."""
 STATE_DIFFERENCE = (
     1e-5  # size of state differences for the transition matrix, in each state's SI unit
 )
@@ -116,16 +114,10 @@ def filter_series(
 def filter_all(
     kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], noise: Noise
 ) -> FilterResults:
-    """`filter_series` for every trial with its own parameter vector, on all cores.
-
-    Raises: ValueError where a trial has more than `MAX_FILTER_STATES` states.
-    """
+    """`filter_series` for every trial with its own parameter vector, on all cores."""
     shared = _noise_arrays(kernel, noise)
     full = values_with_noise_switched_on(kernel, np.array(values).T, noise).T.copy()
     on = active_effects_by_row(kernel.system, full)
-    most = max((len(active_states(kernel.system, acts)) for acts in on), default=0)
-    if most > MAX_FILTER_STATES:
-        raise ValueError(f"{most} states to filter, at most {MAX_FILTER_STATES}")
     jobs = list(zip(series, full, on, random_state_sizes(kernel, series), strict=True))
     found = threaded_map(lambda job: _filter_trial(kernel, *job, shared=shared), jobs)
     return FilterResults(tuple(series), tuple(found))

@@ -158,17 +158,20 @@ def _observations_and_slopes(
     """What each predicted state shows (t, n, o), and its slopes H (t, n, o, a)."""
     predicted = padded_arrays([p.predicted for p in passed])
     trials, frames, states = predicted.shape
-    state = np.repeat(predicted.reshape(-1, states, 1), LANES, axis=2)
-    state[:, active, np.arange(1, len(active) + 1)] += STATE_DIFFERENCE
     each = np.repeat(np.arange(trials), frames)
     full = np.array([values_with_noise_switched_on(kernel, v, noise) for v in values])[each]
     constants = np.array([s.constants for s in series])[each]
     times, inputs = (padded_arrays([getattr(s, k) for s in series]) for k in ("times", "inputs"))
     lanes = [np.repeat(a[:, :, None], LANES, axis=2) for a in (full, constants)]
-    seen, _ = simulate_batch(kernel, state, *lanes, times=times.reshape(-1, 1),
-                             inputs=inputs.reshape(len(each), 1, inputs.shape[2]))  # fmt: skip
-    flat = seen[:, 0]
-    gradients = (flat[:, :, 1 : len(active) + 1] - flat[:, :, :1]) / STATE_DIFFERENCE
+    gradients = []
+    for first in range(0, len(active), LANES - 1):  # lane 0 is the state as it is
+        moved = active[first : first + LANES - 1]
+        state = np.repeat(predicted.reshape(-1, states, 1), LANES, axis=2)
+        state[:, moved, np.arange(1, len(moved) + 1)] += STATE_DIFFERENCE
+        seen, _ = simulate_batch(kernel, state, *lanes, times=times.reshape(-1, 1),
+                                 inputs=inputs.reshape(len(each), 1, inputs.shape[2]))  # fmt: skip
+        flat = seen[:, 0]
+        gradients.append((flat[:, :, 1 : len(moved) + 1] - flat[:, :, :1]) / STATE_DIFFERENCE)
     known = np.isfinite(padded_arrays([s.seen for s in series]))
-    H = np.where(known[..., None], gradients.reshape(*known.shape, len(active)), 0.0)
-    return flat[:, :, 0].reshape(known.shape), H
+    slopes = np.concatenate(gradients, axis=2).reshape(*known.shape, len(active))
+    return flat[:, :, 0].reshape(known.shape), np.where(known[..., None], slopes, 0.0)

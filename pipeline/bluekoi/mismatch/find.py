@@ -217,8 +217,9 @@ def _missing_force_and_dependences(
     trials = {t.trial_id: t for t in study.trials}
     count = forces[0].force.shape[1]
     units = np.maximum(
-        extended.noise.disturbance, MIN_FORCE_UNIT_SHARE_OF_BASELINE * baseline.noise.disturbance
-    )[:count]
+        extended.noise.disturbance[:count],
+        MIN_FORCE_UNIT_SHARE_OF_BASELINE * baseline.noise.disturbance[:count],
+    )
     pushes = added_force(kernel, series, full, values, extended.noise)
     shown = pushes if max(np.abs(p).max() for p in pushes) > 0 else [f.force for f in forces]
     return forces, force_dependences(series, shown, covariates(series, forces, trials), units)

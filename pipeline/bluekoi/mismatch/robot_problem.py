@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..engine import CauseSearchProblem, PriorInclusionProbabilities, candidates_by_effect_name
-from ..fitting import TrialEffect, TrialSeries
+from ..fitting import Noise, TrialEffect, TrialSeries
 from ..integrate import CompiledSystem, System
 from ..model import MOTION_VARIABLES, RobotUnits, residual_channels_and_variables
 from ..model.plates import CONTROL_INPUT_NAMES
@@ -39,6 +39,8 @@ UNKNOWN_DEPTH_SCALE_ERROR_STD = 0.02
 are seen too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
 HOMOGRAPHY_TOLERANCES = {"scale_error.length_error": UNKNOWN_DEPTH_SCALE_ERROR_STD}
 """A homography from the pool's corners puts keypoints on the water's plane."""
+CURRENT_STD_M_S, CURRENT_CORRELATION_TIME_S = 0.003, 1.0
+"""Random current with which the estimate of the noise begins, for the published robot."""
 MIN_TURNED_HEAD_ANGLE_RAD = np.radians(2.0)
 """Head angles up to this are straight swimming with an error of the servo."""
 CAUSE_KINDS = ("physics", "measurement", "residual")
@@ -62,7 +64,7 @@ def robot_problem(
     some trials, which were split at one of as many places as there are trials. by_homography:
     whether the camera has no matrix, so that the keypoints' depth is not corrected.
     """
-    system = kernel.system
+    system, units = kernel.system, robot_units_of_trials(series)
     left_out = undetermined_causes(system, series)
     names = [e.name for e in system.effects if e.kind in CAUSE_KINDS and e.name not in left_out
              and (displaced or e.name != CAMERA_SHIFT_EFFECT)]  # fmt: skip
@@ -81,13 +83,23 @@ def robot_problem(
         coefficients=baseline.fit.free,
         candidates=with_constant_clock_error(candidates, series),
         noise=replace(
-            baseline.noise, trial_effects=_trial_error_effects(baseline), fixed_scales=()
+            noise_with_random_current(baseline.noise, units),
+            trial_effects=_trial_error_effects(baseline),
+            fixed_scales=(),
         ),
-        tolerances=label_offset_stds(robot_units_of_trials(series))
-        | (HOMOGRAPHY_TOLERANCES if by_homography else {}),
+        tolerances=label_offset_stds(units) | (HOMOGRAPHY_TOLERANCES if by_homography else {}),
         state_variables=MOTION_VARIABLES,
         progress=progress,
     )
+
+
+def noise_with_random_current(noise: Noise, units: RobotUnits) -> Noise:
+    """The noise of a baseline, which has random forces and tracking errors alone, with a random
+    current.
+    """
+    std, tau = CURRENT_STD_M_S * units.speed, CURRENT_CORRELATION_TIME_S * units.time
+    return replace(noise, disturbance=np.concatenate([noise.disturbance, [std, std]]),
+                   tau=np.concatenate([noise.tau, [tau, tau]]))  # fmt: skip
 
 
 def label_offset_stds(units: RobotUnits) -> dict[str, float]:

@@ -11,7 +11,7 @@ from .. import effects, measurement, observation
 from ..data import Float
 from ..integrate import Effect, Parameter, Stage, System, effect_from_module
 from ..observation import tracking_error
-from . import disturbance, equations, near_speed, periodic, residual
+from . import disturbance, equations, near_speed, periodic, random_current, residual
 from .similarity import (
     PUBLISHED_MASS_KG,
     PUBLISHED_ROBOT,
@@ -74,8 +74,8 @@ def effect_names(package: object = effects) -> tuple[str, ...]:
 
 @lru_cache(maxsize=1)
 def all_effects() -> tuple[Effect, ...]:
-    """Random water and tracking errors, residual terms, physical effects, measurement causes."""
-    modules = [disturbance, tracking_error, residual] + [
+    """Random processes, residual terms, physical effects, measurement causes."""
+    modules = [disturbance, tracking_error, random_current, residual] + [
         import_module(f"{package.__name__}.{name}")
         for package in (effects, measurement)
         for name in effect_names(package)

@@ -15,8 +15,9 @@ from ..model import RobotUnits, robot_units_of_trial, trial_system
 
 HEAD_ANGLE_COLUMN = 3
 """Column of the head angle among the observations."""
-RANDOM_STATE_UNITS = ("N", "N", "N m", "m", "m", "rad")
-"""Units of the random forces and the tracking errors, in the order of `Noise.disturbance`."""
+RANDOM_STATE_UNITS = ("N", "N", "N m", "m", "m", "rad", "m/s", "m/s")
+"""Units of the random forces, the tracking errors and the random current, in the order of
+`Noise.disturbance`."""
 STATE_UNITS = ("m", "m", "rad", "m/s", "m/s", "rad/s")
 """Units of the states of the motion."""
 
@@ -33,7 +34,8 @@ def trial_kernel(series: Sequence[TrialSeries]) -> CompiledSystem:
 
 def noise_scaled_to_robot(units: RobotUnits, noise: Noise) -> Noise:
     """The noise of the published robot for a similar one."""
-    size = np.array([units.ratio(unit) for unit in RANDOM_STATE_UNITS])
+    own = RANDOM_STATE_UNITS[: len(noise.disturbance)]
+    size = np.array([units.ratio(unit) for unit in own])
     return replace(noise, disturbance=noise.disturbance * size, tau=noise.tau * units.time)
 
 

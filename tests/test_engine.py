@@ -37,7 +37,11 @@ from bluekoi.engine import (
 from bluekoi.engine.calibration import calibrated_probability, calibrated_shares_of_alternatives
 from bluekoi.engine.candidates import Candidate
 from bluekoi.engine.collinear_terms import collinear_terms
-from bluekoi.engine.evidence import laplace_log_evidence, log_evidence
+from bluekoi.engine.evidence import (
+    laplace_log_evidence,
+    log_evidence,
+    most_probable_discrepancy_shares,
+)
 from bluekoi.engine.expansion import expand_likelihood_in_all_forms, one_step_strength_estimates
 from bluekoi.engine.own_noise import (
     MIN_ROUND_GAIN_LOG_LIK,
@@ -49,6 +53,7 @@ from bluekoi.engine.own_noise import (
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
 from bluekoi.engine.set_columns import CauseSetColumns
 from bluekoi.engine.set_score import (
+    MAX_LOG_STD_CHANGE,
     expansion_with_optimum_gradient,
     refit_with_discrepancy,
     score_cause_set,
@@ -678,9 +683,9 @@ def test_a_number_at_its_bound_promises_no_gain_from_leaving_it() -> None:
         assert found == pytest.approx([0.0, kept], abs=1e-12)
 
 
-def problem_with_a_discrepancy() -> CauseSearchProblem:
+def problem_with_a_discrepancy(left: float = 0.05) -> CauseSearchProblem:
     """Drag and what its formula leaves, a constant force."""
-    problem = driven_mass_problem(driven_mass_trials(0.3, 0.05))
+    problem = driven_mass_problem(driven_mass_trials(0.3, left))
     source = frozenset({("surge", "speed")})
     drag, force = (replace(c, sources=source) for c in problem.candidates)
     return replace(problem, candidates=(drag, replace(force, kind="residual")),
@@ -712,6 +717,33 @@ def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> No
     assert scored.expansion.gradient[:, column].sum() > 1.0
     assert found.expansion.gradient[:, column].sum() == pytest.approx(0.0, abs=1e-9)
     assert found.log_posterior < scored.log_posterior
+
+
+@pytest.mark.parametrize(("left", "share"), [(0.0, 0.02), (0.1, 0.2)])
+def test_a_set_is_fitted_at_the_share_with_the_largest_evidence(left: float, share: float) -> None:
+    """An exact formula, and one that leaves a force of a third of its own."""
+    problem, label = problem_with_a_discrepancy(left), "constant_force.F0"
+    model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    found = refit_with_discrepancy(problem, score_cause_set(problem, model), rounds=4)
+    assert most_probable_discrepancy_shares(found.expansion, found.layout) == {
+        "quadratic_drag": share
+    }
+    scale = found.layout.discrepancy["quadratic_drag"].max()
+    assert found.model.deviations[label] == pytest.approx(share * scale, rel=MAX_LOG_STD_CHANGE)
+
+
+def test_an_offset_within_its_tolerance_is_fitted_and_integrated_out() -> None:
+    """A force of half its tolerance: it is no cause, and the evidence is that of an optimum."""
+    problem, label = driven_mass_problem(driven_mass_trials(0.3, 0.02)), "constant_force.F0"
+    problem = replace(problem, tolerances={label: 0.04})
+    model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    found = refit_with_discrepancy(problem, score_cause_set(problem, model))
+    assert found.model.deviations == {label: pytest.approx(0.04)}
+    assert found.model.discrepancy[label] == pytest.approx(0.02, abs=0.01)
+    (column,) = found.expansion.strengths["constant_force"]
+    slope = found.expansion.gradient[:, column].sum()
+    assert slope == pytest.approx(found.model.discrepancy[label] / 0.04**2, rel=1e-6)
+    assert found.log_posterior <= found.model.log_likelihood
 
 
 def test_the_prior_of_a_discrepancy_is_that_of_the_forces_at_the_fit(monkeypatch) -> None:

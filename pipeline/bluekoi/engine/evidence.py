@@ -192,12 +192,14 @@ def log_prior(problem: CauseSearchProblem, causes: Sequence[str]) -> float:
 def most_probable_discrepancy(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns
 ) -> dict[str, tuple[float, float]]:
-    """Residual term -> its most probable strength as a discrepancy of the set's causes, and its
-    prior standard deviation.
+    """Label -> most probable value of a residual term as a discrepancy of the set's causes, or of
+    an offset within its tolerance, and its prior standard deviation at the most probable shares.
     """
     H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
     g = expansion.gradient.sum(axis=0)[lay.columns]
-    precision = np.where(lay.included, 0.0, lay.precision)
+    shares = most_probable_discrepancy_shares(expansion, lay)
+    given = precisions_at_discrepancy_shares(lay, [shares])[0]
+    precision = np.where(lay.included, 0.0, given)
     prior = np.where(lay.gaussian & ~lay.included, lay.at, 0.0)
     free = ~lay.held
     A = (H + np.diag(precision))[np.ix_(free, free)]
@@ -205,8 +207,9 @@ def most_probable_discrepancy(
     step[free] = np.linalg.lstsq(A, (g - precision * prior)[free], rcond=1e-10)[0]
     places = {
         column: free.label
-        for name, columns in expansion.strengths.items() if problem.by_name[name].is_residual
+        for name, columns in expansion.strengths.items()
         for free, column in zip(problem.by_name[name].strengths, columns, strict=True)
+        if problem.by_name[name].is_residual or free.name in problem.tolerances
     }  # fmt: skip
-    return {places[i]: (float(lay.at[k] + step[k]), float(lay.precision[k] ** -0.5))
+    return {places[i]: (float(lay.at[k] + step[k]), float(given[k] ** -0.5))
             for k, i in enumerate(lay.columns) if i in places and lay.gaussian[k]}  # fmt: skip

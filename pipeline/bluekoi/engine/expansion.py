@@ -224,8 +224,10 @@ def one_step_strength_estimates(
     columns = [*expansion.own, *expansion.strengths[cause]]
     step = _newton_step(expansion.hessian.sum(axis=0), expansion.gradient.sum(axis=0), columns)
     rows = [parameter_definition(problem.kernel.system, f) for f in strengths]
+    known = [expansion.model.discrepancy.get(f.label, 0.0) for f in strengths]
+    found = np.array(known) + step[len(expansion.own) :]
     return {f.label: float(value)
-            for f, p, value in zip(strengths, rows, step[len(expansion.own) :], strict=True)
+            for f, p, value in zip(strengths, rows, found, strict=True)
             if p.lower < value < p.upper and value != 0}  # fmt: skip
 
 

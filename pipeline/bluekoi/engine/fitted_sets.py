@@ -88,7 +88,7 @@ class FittedCauseSets:
                 fitted.add(one.key)
         for one, found in zip(due, threaded_map(self._fitted, due), strict=True):
             before = self.sets.get(one.key)
-            if found is not None and (before is None or found.log_joint > before.log_joint):
+            if found is not None and (before is None or found.log_posterior > before.log_posterior):
                 self.keep(found)
                 self.converged.discard(one.key)
         return [self.sets.get(one.key) for one in wanted]
@@ -119,11 +119,15 @@ class FittedCauseSets:
         return found
 
     def shared_discrepancy(self, near: FittedCauseSet, causes: frozenset[str]) -> dict[str, float]:
-        """What the formulas of another set's causes leave that these causes may leave as well."""
+        """What the formulas of another set's causes leave that these causes may leave as well, and
+        the offsets within their tolerance.
+        """
         by_name = self.problem.by_name
         covered = {f.label for term in self.problem.candidates if term.name not in causes
                    and any(self.problem.covers(by_name[c], term) for c in causes)
                    for f in term.strengths}  # fmt: skip
+        covered |= {f.label for c in self.problem.candidates if c.name not in causes
+                    for f in c.strengths if f.name in self.problem.tolerances}  # fmt: skip
         return {label: v for label, v in near.discrepancy.items() if label in covered}
 
     def converge(self) -> None:

@@ -32,8 +32,9 @@ class FittedCauseSet:
     """A set of causes, fitted: names, fit, noise, the filter's pass at the fit, which numbers stand
     at a bound (p,).
 
-    discrepancy: residual term -> strength of what the formulas of its causes leave, fitted with its
-    numbers. deviations: residual term -> prior standard deviation of that.
+    discrepancy: label -> value of what is fitted with its numbers and integrated out: residual
+    terms, for what the formulas of its causes leave, and offsets within the tolerance of careful
+    work. deviations: label -> prior standard deviation of that.
     """
 
     causes: tuple[str, ...]

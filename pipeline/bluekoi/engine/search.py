@@ -42,7 +42,7 @@ from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
 from .refit import FittedCauseSet, refit_from_fitted_values, strength_starts
 from .residual_magnitudes import plausible_residual_magnitudes
 from .set_columns import columns_of_cause_set
-from .set_score import ScoredCauseSet, score_cause_set
+from .set_score import ScoredCauseSet, refit_with_discrepancy, score_cause_set
 from .subset import d_optimal_trial_subset
 
 REFITS_PER_SET = 5
@@ -156,8 +156,7 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
     problem = replace(problem, collinear_terms=collinear_terms(problem, whole, tried),
                       residual_sizes=plausible_residual_magnitudes(problem, expansion))  # fmt: skip
     visited = FittedCauseSets(problem)
-    visited.sets[frozenset()] = score_cause_set(problem, first)
-    visited.full[frozenset()] = expansion
+    visited.sets[frozenset()] = refit_with_discrepancy(problem, score_cause_set(problem, first))
     before = -np.inf
     while (best := visited.best).log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
         before = best.log_posterior
@@ -194,7 +193,7 @@ def _refit_with_shared_noise(visited: FittedCauseSets) -> None:
                   if key != source.model.key and len(key) <= len(best.causes)]  # fmt: skip
         refit = partial(_refit_from_noise, visited, source.model, least)
         for one, other in zip(others, threaded_map(refit, others), strict=True):
-            if other is not None and other.log_joint > one.log_joint:
+            if other is not None and other.log_posterior > one.log_posterior:
                 visited.keep(other)
 
 

@@ -26,7 +26,7 @@ PRIOR_DISCREPANCY_SHARES = (0.02, 0.06, 0.2)
 of equal prior probability. `python -m validation discrepancy` measures how far the forms of the
 causes differ from each other."""
 MAX_DISCREPANCY_SHARE = max(PRIOR_DISCREPANCY_SHARES)
-"""The share with which sets are fitted."""
+"""The share of the columns' own precision, in place of which fits and evidence take others."""
 MIN_INFORMATION = 1e-12
 """Below any information that trials have; keeps quotients of zeros finite."""
 
@@ -154,8 +154,11 @@ def _columns_of_unexpanded_cause(
     """
     columns = expansion.strengths[candidate.name]
     sizes = plausible_strengths(problem, candidate.name)
-    strengths = [_CauseSetColumn(i, float(size**-2.0), False)
-                 for i, size in zip(columns, sizes, strict=True)]  # fmt: skip
+    known = expansion.model.discrepancy
+    strengths = [
+        _CauseSetColumn(i, float(size**-2.0), gaussian=False, at=known.get(f.label, 0.0))
+        for f, i, size in zip(candidate.strengths, columns, sizes, strict=True)
+    ]
     forms = expansion.forms[candidate.name]
     if not forms:
         return strengths, []
@@ -254,7 +257,12 @@ def _tolerance_columns(
 ) -> list[_CauseSetColumn]:
     """Strengths that are 0 only within the tolerance of careful work, of causes not in the set."""
     return [
-        _CauseSetColumn(column, problem.tolerances[free.name] ** -2.0, gaussian=True)
+        _CauseSetColumn(
+            column,
+            problem.tolerances[free.name] ** -2.0,
+            gaussian=True,
+            at=expansion.model.discrepancy.get(free.label, 0.0),
+        )
         for name, columns in expansion.strengths.items()
         if name not in causes
         for free, column in zip(problem.by_name[name].strengths, columns, strict=True)

@@ -36,14 +36,10 @@ class ScoredCauseSet:
 
     @property
     def log_joint(self) -> float:
-        """Log likelihood at the fit with the prior of its discrepancy: two fits of one set are
-        compared by it, since evidence extrapolated from a poor fit is uncertain.
+        """Log likelihood at the fit with the prior of its discrepancy, less its constant: fits with
+        the same prior are compared by it, others by the log posterior.
         """
-        if not np.isfinite(self.log_posterior):
-            return -np.inf
-        own = self.layout.gaussian & ~self.layout.included
-        return self.model.log_likelihood - 0.5 * float(
-            self.layout.precision[own] @ self.layout.at[own] ** 2)  # fmt: skip
+        return self.model.log_joint if np.isfinite(self.log_posterior) else -np.inf
 
     @property
     def overdispersion(self) -> float:
@@ -65,13 +61,15 @@ def refit_with_discrepancy(
     most: int = MAX_NOISE_ROUNDS,
     rounds: int = 1,
 ) -> ScoredCauseSet:
-    """A set fitted together with what its causes' formulas leave: such a remainder is not random.
-    most: rounds of noise and numbers. rounds: fits of the discrepancy, whose prior goes with the
-    forces of the causes, which the fit changes.
+    """A set fitted together with what its causes' formulas leave, and with the offsets within their
+    tolerance: such a remainder is not random. most: rounds of noise and numbers. rounds: fits of
+    the discrepancy, whose prior goes with the forces of the causes, which the fit changes.
 
-    The fit begins at the discrepancy that the expansion predicts. Where it ends at a poorer fit, it
-    is repeated from the discrepancy as it was. If that is no better either, the fit without it is
-    taken as the optimum: a gain that the expansion predicts and no fit reaches is not evidence.
+    The prior is that of the most probable shares: evidence that is extrapolated to them from a fit
+    at others is wrong by several units where the trials say much (docs/decisions/065). The fit
+    begins at the discrepancy that the expansion predicts. Where it ends at a poorer fit, it is
+    repeated from the discrepancy as it was. If that is no better either, the fit as it was is taken
+    as the optimum: a gain that the expansion predicts and no fit reaches is not evidence.
     """
     if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
         return scored
@@ -93,15 +91,16 @@ def refit_with_discrepancy(
             return None
         return score_cause_set(problem, fit_own_noise(problem, model, most=most))
 
+    held = {label: scored.model.discrepancy.get(label, 0.0) for label in stds}
+    before = replace(scored.model, deviations=stds, discrepancy=held)
     found = fitted_from({label: value for label, (value, _) in best.items()})
-    if found is None or found.log_joint < scored.log_joint:
-        found = fitted_from({label: scored.model.discrepancy.get(label, 0.0) for label in stds})
-    if found is not None and found.log_joint >= scored.log_joint:
+    if found is None or found.log_joint < before.log_joint:
+        found = fitted_from(held)
+    if found is not None and found.log_joint >= before.log_joint:
         if rounds == 1:
             return found
         return refit_with_discrepancy(problem, found, most=most, rounds=rounds - 1)
-    held = {label: scored.model.discrepancy.get(label, 0.0) for label in stds}
-    return score_cause_set(problem, replace(scored.model, deviations=stds, discrepancy=held))
+    return score_cause_set(problem, before)
 
 
 def score_cause_set(problem: CauseSearchProblem, model: FittedCauseSet) -> ScoredCauseSet:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg import eigh
 from scipy.optimize import lsq_linear
 
 from ..data import Float
@@ -31,7 +32,8 @@ def bounded_step(
         return step
     scale = 1.0 / np.sqrt(diagonal[move])
     scaled = hessian[np.ix_(move, move)] * np.outer(scale, scale)
-    values, vectors = np.linalg.eigh(scaled + RIDGE * np.eye(len(scaled)))
+    # by QR iterations: divide and conquer found no eigenvalues of a well-conditioned matrix
+    values, vectors = eigh(scaled + RIDGE * np.eye(len(scaled)), driver="ev")
     root = np.sqrt(np.maximum(values, RIDGE))
     least, most = (np.clip(b[move] / scale, -radius, radius) for b in (lower, upper))
     along = vectors.T @ (scale * gradient[move])

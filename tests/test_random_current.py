@@ -1,4 +1,4 @@
-"""The random current: water that carries the robot, told apart from random forces."""
+"""The random current: water that carries the robot, distinguished from random forces."""
 
 from dataclasses import replace
 from functools import lru_cache

@@ -1,15 +1,16 @@
-"""What other starts of the noise estimate gain, by their share and correlation time, and what more
-work does.
+"""What other starts of the noise estimate gain, and what more work does.
 
 The estimate of the random forces begins at forces as first estimated. Others begin at a share of
-these, with another correlation time. For the model without causes and for the most probable set of
-a measured study: log joint density that is reached from another start, or with twice the rounds and
-steps (`engine.own_noise.MAX_NOISE_ROUNDS`, `NOISE_STEPS`), less that from the first.
+these, with another correlation time, or at another random current. For the model without causes
+and for the most probable set of a measured study: log joint density that is reached from another
+start, or with twice the rounds and steps (`engine.own_noise.MAX_NOISE_ROUNDS`, `NOISE_STEPS`), less
+that from the first.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -18,15 +19,17 @@ import numpy as np
 from bluekoi.engine import fit_cause_set, fit_own_noise, search_cause_sets
 from bluekoi.engine.fitted_sets import FittedCauseSets
 from bluekoi.engine.own_noise import MAX_NOISE_ROUNDS, NOISE_STEPS, noise_with_small_random_forces
-from bluekoi.fitting import Noise
+from bluekoi.engine.problem import CauseSearchProblem
+from bluekoi.fitting import Noise, disturbance_slots
+from bluekoi.model.random_current import EFFECT_STATE_NAMES as CURRENT_STATE_NAMES
 
 from .search_limits import study_problem
 
 SHARES, CORRELATION_TIMES_S = (0.005, 0.05, 0.5), (0.05, 0.5, 5.0)
-MORE_WORK = (1.0, 0.0)
-"""Stands for the first start with twice the rounds and steps."""
-Gains = dict[tuple[float, float], float]
-"""(share, correlation time, s) -> log joint density gained."""
+CURRENT_FACTORS = (0.1, 10.0)
+"""Other random currents, over that with which the estimate begins."""
+Gains = dict[str, float]
+"""Start -> log joint density gained; `more work`: the first start, twice the rounds and steps."""
 
 
 def other_start_gains(study: Path, results: Path) -> list[Gains]:
@@ -46,11 +49,11 @@ def _gains(visited: FittedCauseSets, key: frozenset[str], start: Mapping[str, fl
     problem, model = visited.problem, visited.sets[key].model
     known = {**start, **model.fit.by_label()}
     starts = {
-        (share, time): noise_with_small_random_forces(
+        f"{share:g}  {time:g} s": noise_with_small_random_forces(
             problem, problem.noise, share=share, time_s=time
         )
         for share, time in product(SHARES, CORRELATION_TIMES_S)
-    }
+    } | _noises_with_other_currents(problem)
 
     def reached(noise: Noise, factor: int = 1) -> float:
         begun = fit_cause_set(problem, model.causes, noise, known)
@@ -58,19 +61,29 @@ def _gains(visited: FittedCauseSets, key: frozenset[str], start: Mapping[str, fl
                              steps=factor * NOISE_STEPS).log_joint  # fmt: skip
 
     first = reached(problem.noise)
-    gains = {key: reached(noise) - first for key, noise in starts.items()}
-    return gains | {MORE_WORK: reached(problem.noise, 2) - first}
+    gains = {name: reached(noise) - first for name, noise in starts.items()}
+    return gains | {"more work": reached(problem.noise, 2) - first}
+
+
+def _noises_with_other_currents(problem: CauseSearchProblem) -> dict[str, Noise]:
+    """Start -> noise; none of a problem without a random current."""
+    noise, system = problem.noise, problem.kernel.system
+    slots = disturbance_slots(problem.kernel)[: len(noise.disturbance)]
+    own = np.array([system.all_states[slot] in CURRENT_STATE_NAMES for slot in slots])
+    if not own.any():
+        return {}
+    return {f"current x {k:g}": replace(noise, disturbance=noise.disturbance * np.where(own, k, 1))
+            for k in CURRENT_FACTORS}  # fmt: skip
 
 
 def gain_table(gains: Sequence[Gains]) -> str:
-    """Lines: share, time, median and largest gain over the sets, and in how many sets the start
-    comes within 1 of the best of all starts.
+    """Lines: start (share of the random forces and their correlation time, or current), median and
+    largest gain over the sets, and in how many sets the start comes within 1 of the best of all.
     """
     best = [max(0.0, *one.values()) for one in gains]
-    lines = [f"{len(gains)} sets: share, correlation time, gain in the median, largest, near best"]
-    for key in gains[0]:
-        own = np.array([one[key] for one in gains])
+    lines = [f"{len(gains)} sets: start, gain in the median, largest, near best"]
+    for start in gains[0]:
+        own = np.array([one[start] for one in gains])
         near = sum(max(value, 0.0) > top - 1.0 for value, top in zip(own, best, strict=True))
-        start = "more work" if key == MORE_WORK else f"{key[0]:g}  {key[1]:g} s"
         lines.append(f"{start}  {np.median(own):.1f}  {own.max():.1f}  {near} of {len(own)}")
     return "\n".join(lines)

@@ -66,10 +66,10 @@ def refit_with_discrepancy(
     the discrepancy, whose prior goes with the forces of the causes, which the fit changes.
 
     The prior is that of the most probable shares: evidence that is extrapolated to them from a fit
-    at others is wrong by several units where the trials say much (docs/decisions/065). The fit
-    begins at the discrepancy that the expansion predicts. Where it ends at a poorer fit, it is
-    repeated from the discrepancy as it was. If that is no better either, the fit as it was is taken
-    as the optimum: a gain that the expansion predicts and no fit reaches is not evidence.
+    at others can be wrong by several units (docs/decisions/065). The fit begins at the discrepancy
+    that the expansion predicts. Where it ends at a poorer fit, it is repeated from the discrepancy
+    as it was. If that is no better either, the fit as it was is taken as the optimum: a gain that
+    the expansion predicts and no fit reaches is not evidence.
     """
     if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
         return scored

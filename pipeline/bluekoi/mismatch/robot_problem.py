@@ -39,8 +39,11 @@ UNKNOWN_DEPTH_SCALE_ERROR_STD = 0.02
 are seen too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
 HOMOGRAPHY_TOLERANCES = {"scale_error.length_error": UNKNOWN_DEPTH_SCALE_ERROR_STD}
 """A homography from the pool's corners puts keypoints on the water's plane."""
-CURRENT_STD_M_S, CURRENT_CORRELATION_TIME_S = 0.003, 1.0
-"""Random current with which the estimate of the noise begins, for the published robot."""
+CURRENT_START_STD_M_S = 0.003
+"""Standard deviation of each component of the random current with which the estimate of the noise
+begins, for the published robot: a start, no prior. From a tenth and from ten times of it, the log
+joint densities of five sets of three studies become higher by 0.3 at most (`python -m validation
+noise-starts`; docs/decisions/064)."""
 MIN_TURNED_HEAD_ANGLE_RAD = np.radians(2.0)
 """Head angles up to this are straight swimming with an error of the servo."""
 CAUSE_KINDS = ("physics", "measurement", "residual")
@@ -83,7 +86,7 @@ def robot_problem(
         coefficients=baseline.fit.free,
         candidates=with_constant_clock_error(candidates, series),
         noise=replace(
-            noise_with_random_current(baseline.noise, units),
+            noise_with_random_current(baseline.noise, system, units),
             trial_effects=_trial_error_effects(baseline),
             fixed_scales=(),
         ),
@@ -93,11 +96,12 @@ def robot_problem(
     )
 
 
-def noise_with_random_current(noise: Noise, units: RobotUnits) -> Noise:
+def noise_with_random_current(noise: Noise, system: System, units: RobotUnits) -> Noise:
     """The noise of a baseline, which has random forces and tracking errors alone, with a random
     current.
     """
-    std, tau = CURRENT_STD_M_S * units.speed, CURRENT_CORRELATION_TIME_S * units.time
+    std = CURRENT_START_STD_M_S * units.speed
+    tau = system.parameters[system.slot["random_current.tau"]].start
     return replace(noise, disturbance=np.concatenate([noise.disturbance, [std, std]]),
                    tau=np.concatenate([noise.tau, [tau, tau]]))  # fmt: skip
 

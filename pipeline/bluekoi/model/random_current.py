@@ -6,7 +6,7 @@ Gauss-Markov process:
     dw/dt = -w / tau + white noise
 
 All forces depend on the velocity of the robot relative to the water. The current is the same all
-along the robot. A random force on the hull is another thing: a current that changes slowly carries
+along the robot. It differs from a random force on the hull: a current that changes slowly carries
 the robot along and hardly turns it.
 
 Present in the filters of the search for causes (its strength is estimated), absent from

@@ -30,8 +30,8 @@ FIGURE_CAPTION = (
     "Force missing from the baseline model over the variables that explain most of it in "
     "conditions left out of the regression; percentages: share of all missing force, of the three "
     "channels together. Small dots: frames, by power; black: means with "
-    "standard deviations over trials; blue: force of the identified causes, if any, in the same "
-    "motion. The "
+    "standard deviations over trials; blue diamonds: means of the force of the identified causes, "
+    "if any, in the same motion, not joined, since it may depend on other variables as well. The "
     "first second of each trial, where the smoother has no resolution, is omitted. Without a "
     "significant dependence, each force is shown over the variable of the commonest cause."
 )
@@ -124,7 +124,8 @@ def _draw_panel(
     model = [instead[at, k] for (_, instead), at in zip(pieces, found, strict=True)]
     at, mean, _ = _binned_means(x, model)
     if np.isfinite(mean).any():
-        axes.plot(at, mean, color=AFTER_COLOUR, lw=2.2, zorder=6, label="identified causes")
+        axes.plot(at, mean, "D", color=AFTER_COLOUR, mfc="none", mew=1.4, ms=7, zorder=6,
+                  label="identified causes, mean")  # fmt: skip
     axes.axhline(0, color="0.4", lw=0.8)
     axes.xaxis.set_major_locator(MaxNLocator(6))
     axes.set_xlabel(VARIABLE_LABELS.get(name, name))

@@ -729,10 +729,10 @@ def first_seen_position(series: TrialSeries) -> np.ndarray:
     return series.seen[np.isfinite(series.seen[:, 0])][0, :2]
 
 
-def test_positions_may_be_wrong_by_the_stated_lengths_and_an_uncorrected_depth(
+def test_a_homography_may_shrink_positions_by_what_the_uncorrected_depth_costs(
     demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
-    """Lengths to 0.3 %; with a homography, keypoints 4 cm deep, camera at 1.5 m: 2 % more."""
+    """Keypoints 4 cm deep, camera at 1.5 m: 2 % nearer the middle; nothing with a matrix."""
     m, found = demo
     problems = [
         robot_problem(
@@ -745,6 +745,5 @@ def test_positions_may_be_wrong_by_the_stated_lengths_and_an_uncorrected_depth(
         )
         for plane in (True, False)
     ]
-    allowed = [p.tolerances["scale_error.length_error"] for p in problems]
-    depth = 0.04 / (1.333 * 1.5)
-    assert allowed == [pytest.approx(np.hypot(0.003, depth), rel=0.05), pytest.approx(0.003)]
+    allowed = [p.tolerances.get("scale_error.length_error") for p in problems]
+    assert allowed == [pytest.approx(0.04 / (1.333 * 1.5), rel=0.05), None]

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE
 from ..engine import CauseSearchProblem, PriorInclusionProbabilities, candidates_by_effect_name
 from ..fitting import Noise, TrialEffect, TrialSeries
 from ..integrate import CompiledSystem, System
@@ -38,7 +37,8 @@ CORE_LABEL_DISTANCE_M, HEAD_LABEL_DISTANCE_M = (
 UNKNOWN_DEPTH_SCALE_ERROR_STD = 0.02
 """Error of positions, as a share, where the keypoints' depth is not known: those d below the plane
 are seen too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
-SCALE_PARAMETER = "scale_error.length_error"
+HOMOGRAPHY_TOLERANCES = {"scale_error.length_error": UNKNOWN_DEPTH_SCALE_ERROR_STD}
+"""A homography from the pool's corners puts keypoints on the water's plane."""
 CURRENT_START_STD_M_S = 0.003
 """Standard deviation of each component of the random current with which the estimate of the noise
 begins, for the published robot: a start, no prior. From a tenth and from ten times of it, the log
@@ -90,8 +90,7 @@ def robot_problem(
             trial_effects=_trial_error_effects(baseline),
             fixed_scales=(),
         ),
-        tolerances=label_offset_stds(units)
-        | {SCALE_PARAMETER: stated_scale_std(by_homography=by_homography)},
+        tolerances=label_offset_stds(units) | (HOMOGRAPHY_TOLERANCES if by_homography else {}),
         state_variables=MOTION_VARIABLES,
         progress=progress,
     )
@@ -105,13 +104,6 @@ def noise_with_random_current(noise: Noise, system: System, units: RobotUnits) -
     tau = system.parameters[system.slot["random_current.tau"]].start
     return replace(noise, disturbance=np.concatenate([noise.disturbance, [std, std]]),
                    tau=np.concatenate([noise.tau, [tau, tau]]))  # fmt: skip
-
-
-def stated_scale_std(*, by_homography: bool) -> float:
-    """Relative error of positions that is careful work: that of the stated lengths of the pool and,
-    with a homography, which puts keypoints on the plane of the corners, of the unknown depth.
-    """
-    return float(np.hypot(STATED_LENGTH_STD_SHARE, UNKNOWN_DEPTH_SCALE_ERROR_STD * by_homography))
 
 
 def label_offset_stds(units: RobotUnits) -> dict[str, float]:

@@ -73,7 +73,7 @@ def render_figure(campaign: Campaign) -> Figure:
     handles, labels = figure.axes[0].get_legend_handles_labels()
     if handles:
         figure.legend(
-            handles, labels, loc="outside upper center", ncols=len(labels), markerscale=2.5
+            handles, labels, loc="outside upper center", ncols=len(labels), markerscale=1.4
         )
     return figure
 

@@ -18,7 +18,7 @@ def files_below(folder):
 
 
 def test_mix_of_a_block():
-    """Twenty studies in a row: four groups, half of each with a fin, or all but half."""
+    """Twenty studies in a row: four groups, and a fin in half of the robots."""
     drawn = [plan(SEED, index) for index in range(20)]
     assert Counter(group for group, _ in drawn) == {"null": 4, "one": 8, "two": 5, "unlisted": 3}
     assert 9 <= sum(fin for _, fin in drawn) <= 11

@@ -50,9 +50,9 @@ def straight_growth(robot: Robot, fin: Active | None) -> float:
     z[3] = robot.speed_ref
     matrix = np.empty((3, 3))
     for column, state in enumerate((2, 4, 5)):
-        bumped = z.copy()
-        bumped[state] = 1e-5
-        matrix[:, column] = flow_rates(0.0, bumped, case)[[2, 4, 5], 0] / 1e-5
+        perturbed = z.copy()
+        perturbed[state] = 1e-5
+        matrix[:, column] = flow_rates(0.0, perturbed, case)[[2, 4, 5], 0] / 1e-5
     values = np.linalg.eigvals(matrix)
     values = np.delete(values, np.argmin(np.abs(values)))  # turning the whole path
     return float(values.real.max())

@@ -50,5 +50,5 @@ def draw_fin(rng: np.random.Generator) -> Form:
 
 
 def draw_unlisted(rng: np.random.Generator) -> Form:
-    """A random force that is on no list."""
+    """A random force that no candidate cause describes."""
     return UNLISTED[rng.integers(len(UNLISTED))]

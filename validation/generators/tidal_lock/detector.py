@@ -58,9 +58,9 @@ def _transition(case: Case, t, z, h: float, correlations: tuple[float, float]) -
     A[..., [0, 1, 2], [3, 4, 5]] = 1.0
     sizes = 1e-5 * np.array([1, 1, 10, 1, 1, 10]) * case.robot.length
     for m, size in enumerate(sizes):
-        bumped = z.copy()
-        bumped[m] += size
-        A[..., 3:6, m] = np.moveaxis((accelerations(case, t, bumped) - full) / size, 0, -1)
+        perturbed = z.copy()
+        perturbed[m] += size
+        A[..., 3:6, m] = np.moveaxis((accelerations(case, t, perturbed) - full) / size, 0, -1)
     A[..., 3:6, 6:8] = -A[..., 3:6, 3:5]
     water, slow = correlations
     A[..., [6, 7], [6, 7]] = -1 / water

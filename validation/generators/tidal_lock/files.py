@@ -70,9 +70,9 @@ def write_keypoints(path: Path, found: np.ndarray, likelihood: np.ndarray) -> No
         ",".join(["bodyparts", *names]),
         ",".join(["coords", *["x", "y", "likelihood"] * len(BODYPARTS)]),
     ]
-    for k, (points, trusts) in enumerate(zip(found, likelihood, strict=True)):
+    for k, (points, likelihoods) in enumerate(zip(found, likelihood, strict=True)):
         cells = [str(k)]
-        for (u, v), trust in zip(points, trusts, strict=True):
-            cells += [_cell(u, 3), _cell(v, 3), _cell(trust, 4)]
+        for (u, v), certainty in zip(points, likelihoods, strict=True):
+            cells += [_cell(u, 3), _cell(v, 3), _cell(certainty, 4)]
         lines.append(",".join(cells))
     path.write_text("\n".join(lines) + "\n")

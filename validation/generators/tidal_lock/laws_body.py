@@ -90,20 +90,21 @@ def _wake(s, p, share):
     return -p.amp * share * s.plate_force * np.conj(s.core), 0.0
 
 
-def _turned(s):
+def _revolutions(s):
     """Revolutions made since the start of the trial."""
     return np.abs(s.theta - s.theta_start) / (2 * np.pi)
 
 
 _WAKE = {
-    "logistic": lambda s, p: _wake(s, p, logistic((_turned(s) - 1) / 0.06)),
-    "ramp": lambda s, p: _wake(s, p, np.clip(_turned(s) - 0.85, 0, 0.5) * 2),
-    "saturating": lambda s, p: _wake(s, p, 1 - np.exp(-np.maximum(_turned(s) - 0.9, 0) / 0.3)),
+    "logistic": lambda s, p: _wake(s, p, logistic((_revolutions(s) - 1) / 0.06)),
+    "ramp": lambda s, p: _wake(s, p, np.clip(_revolutions(s) - 0.85, 0, 0.5) * 2),
+    "saturating": lambda s, p: _wake(s, p, 1 - np.exp(-np.maximum(_revolutions(s) - 0.9, 0) / 0.3)),
     "wake_age": (
         lambda s, p: _wake(
             s,
             p,
-            logistic((_turned(s) - 1) / 0.06) * np.exp(-2 * np.pi / (np.abs(s.r) + 0.05) / p.decay),
+            logistic((_revolutions(s) - 1) / 0.06)
+            * np.exp(-2 * np.pi / (np.abs(s.r) + 0.05) / p.decay),
         ),
         {"decay": (6.0, 20.0, "s")},
     ),
@@ -111,7 +112,7 @@ _WAKE = {
 WAKE = family("wake_reentry", "force", ("share", "1", lambda _b: 0.5), _WAKE)
 
 
-def _sunk(s, p, shape):
+def _sinking_drag(s, p, shape):
     """Drag of a robot that floats lower by amp shape(t)."""
     return -0.5 * p.amp * shape / s.b.span * s.b.drag_ref * s.ratio**2 * s.hat, 0.0
 
@@ -122,7 +123,7 @@ SINKING_SHAPES = {
     "saturating": lambda t: 1 - np.exp(-t / 3),
 }
 _SINKING = {
-    name: (lambda s, p, shape=shape: _sunk(s, p, shape(s.t)))
+    name: (lambda s, p, shape=shape: _sinking_drag(s, p, shape(s.t)))
     for name, shape in SINKING_SHAPES.items()
 }
 SINKING = family("sinking", "force", ("depth_gain", "m", lambda b: 0.2 * b.pool[2]), _SINKING)

@@ -1,8 +1,8 @@
-"""Measurement errors: camera and pool as stated, clock, start, labels, knocks to the camera.
+"""Measurement errors: camera and pool as stated, clock, start, labels, camera displacements.
 
 Stages: `camera` maps the true camera to the stated one; `clock` maps recorded to true time;
-`label` gives offsets (core_center in core axes, head_tip in head axes); `knock` gives an image
-displacement (px, complex) and rotation (rad) at time t. Lens terms follow Brown (1971) and
+`label` gives offsets (core_center in core axes, head_tip in head axes); `displacement` gives the
+shift (px, complex) and rotation (rad) of the image at time t. Lens terms follow Brown (1971) and
 Kannala and Brandt (2006).
 """
 
@@ -13,38 +13,38 @@ import numpy as np
 from .form import Form, family
 
 
-def _resized(camera, along, across):
+def _with_pool_size_error(camera, along, across):
     return replace(camera, size=(camera.size[0] * along, camera.size[1] * across))
 
 
-def _shrunk_corners(camera, p):
+def _corners_towards_centre(camera, p):
     middle = camera.corners.mean(axis=0)
     return replace(camera, corners=middle + (camera.corners - middle) * (1 - p.amp))
 
 
 _SCALE = {
-    "uniform": lambda c, p: _resized(c, 1 + p.amp, 1 + p.amp),
-    "per_axis": lambda c, p: _resized(c, 1 + p.amp, 1.0),
-    "corner_marks": _shrunk_corners,
+    "uniform": lambda c, p: _with_pool_size_error(c, 1 + p.amp, 1 + p.amp),
+    "per_axis": lambda c, p: _with_pool_size_error(c, 1 + p.amp, 1.0),
+    "corner_marks": _corners_towards_centre,
 }
 SCALE = family("scale_error", "camera", ("error", "1", lambda _b: 0.1), _SCALE, signed=True)
 
 
-def _thinner_water(camera, p):
+def _lower_refractive_index(camera, p):
     return replace(camera, index=1 + (camera.index - 1) * (1 - p.amp))
 
 
 _REFRACTION = {
     "wrong_depth": lambda c, p: replace(c, depth=c.depth * (1 - p.amp)),
-    "wrong_index": _thinner_water,
-    "both": lambda c, p: replace(_thinner_water(c, p), depth=c.depth * (1 - 0.5 * p.amp)),
+    "wrong_index": _lower_refractive_index,
+    "both": lambda c, p: replace(_lower_refractive_index(c, p), depth=c.depth * (1 - 0.5 * p.amp)),
 }
 REFRACTION = family(
     "uncorrected_refraction", "camera", ("missing_share", "1", lambda _b: 1.0), _REFRACTION
 )
 
 
-def _bent(place):
+def _distortion_error(place):
     def law(camera, p):
         distortion = list(camera.distortion)
         distortion[place] += p.amp
@@ -54,9 +54,9 @@ def _bent(place):
 
 
 _LENS = {
-    "k1": _bent(0),
-    "k2": _bent(1),
-    "third_term": (_bent(2), {}, {"magnitude": ("error", "1", lambda _b: 0.015)}),
+    "k1": _distortion_error(0),
+    "k2": _distortion_error(1),
+    "third_term": (_distortion_error(2), {}, {"magnitude": ("error", "1", lambda _b: 0.015)}),
     "focal_length": lambda c, p: replace(
         c, focal=(float(c.focal[0] * (1 + p.amp)), float(c.focal[1] * (1 + p.amp)))
     ),
@@ -93,26 +93,29 @@ LABEL = family(
 )
 
 
-def _stepped(t, p, trial):
-    """1 after a knock that happens in about half of the trials."""
+def _after_displacement(t, p, trial):
+    """1 after a displacement, which happens in about half of the trials."""
     return (t > p.moment * (1 + 0.1 * p.draw[trial, 1])) * (p.draw[trial, 0] > -0.2)
 
 
-def _several(t, p, trial):
+def _two_displacements(t, p, trial):
     first = (t > p.moment) * np.exp(3j * p.draw[trial, 0])
     return first + (t > 2 * p.moment) * np.exp(3j * p.draw[trial, 1])
 
 
-_KNOCK = {"moment": (1.5, 3.5, "s"), "direction": (0.0, 6.283, "rad")}
+_DISPLACEMENT = {"moment": (1.5, 3.5, "s"), "direction": (0.0, 6.283, "rad")}
 _PX = ("shift", "px", lambda _b: 25.0)
 _SHIFT = {
     "translation": (
-        lambda t, p, trial: (p.amp * np.exp(1j * p.direction) * _stepped(t, p, trial), 0.0),
-        _KNOCK,
+        lambda t, p, trial: (
+            p.amp * np.exp(1j * p.direction) * _after_displacement(t, p, trial),
+            0.0,
+        ),
+        _DISPLACEMENT,
     ),
     "rotation": (
-        lambda t, p, trial: (0j * t, p.amp * _stepped(t, p, trial)),
-        _KNOCK,
+        lambda t, p, trial: (0j * t, p.amp * _after_displacement(t, p, trial)),
+        _DISPLACEMENT,
         {"magnitude": ("angle", "rad", lambda _b: 0.05)},
     ),
     "drift": (
@@ -120,9 +123,9 @@ _SHIFT = {
         {"direction": (0.0, 6.283, "rad")},
         {"magnitude": ("drift", "px/s", lambda _b: 6.0)},
     ),
-    "several": (lambda t, p, trial: (p.amp * _several(t, p, trial), 0.0), _KNOCK),
+    "several": (lambda t, p, trial: (p.amp * _two_displacements(t, p, trial), 0.0), _DISPLACEMENT),
 }
-SHIFT = family("camera_shift", "knock", _PX, _SHIFT)
+SHIFT = family("camera_shift", "displacement", _PX, _SHIFT)
 
 CAMERA_FORMS: list[Form] = [
     replace(form, kind="measurement")

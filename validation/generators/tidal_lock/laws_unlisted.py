@@ -1,4 +1,4 @@
-"""Forces on nobody's list, for studies whose cause has no name."""
+"""Forces that no candidate cause describes."""
 
 import numpy as np
 
@@ -20,17 +20,17 @@ def _tether_pull(s, p):
 
 
 def _compass_torque(s, p):
-    """A magnet in the hull turns the robot to one direction of the hall."""
+    """A magnet in the hull turns the robot towards a fixed direction."""
     return 0.0, -p.amp * np.sin(s.theta - p.direction)
 
 
 def _turning_thrust_loss(s, p):
-    """Surge force from speed times yaw rate beyond a knee: the tail works in its own eddies."""
+    """Surge force from speed times yaw rate beyond a knee: the tail beats in its own wake."""
     product = np.abs(s.r) * s.V / (s.b.rate_ref * s.b.speed_ref)
     return -p.amp * product**2 / (product + p.knee) + 0j, 0.0
 
 
-def _pulsing_swirl(s, p):
+def _pulsing_moment(s, p):
     """A moment with speed that swings with time since the start (sloshing ballast)."""
     return 0.0, p.amp * s.ratio * np.sin(2 * np.pi * s.t / p.period)
 
@@ -65,7 +65,9 @@ UNLISTED: list[Form] = [
             "compass_torque": _entry(
                 _compass_torque, {"direction": (0.0, 6.283, "rad")}, ("yaw",), "heading"
             ),
-            "pulsing_moment": _entry(_pulsing_swirl, {"period": (2.5, 6.0, "s")}, ("yaw",), "time"),
+            "pulsing_moment": _entry(
+                _pulsing_moment, {"period": (2.5, 6.0, "s")}, ("yaw",), "time"
+            ),
         },
     ),
     *family(

@@ -74,7 +74,7 @@ def _label(pose: Pose, active: Active, case: Case, _camera) -> np.ndarray:
     return _stacked(core * np.exp(1j * (pose.theta + pose.phi)), tilt, -tilt)
 
 
-def _knock(pose: Pose, active: Active, case: Case, camera: Camera) -> np.ndarray:
+def _camera_displacement(pose: Pose, active: Active, case: Case, camera: Camera) -> np.ndarray:
     shift, turn = active.form.law(pose.times[:, None], active.p, case.trial)
     middle = camera.size[0] / 2 + 0.5j * camera.size[1]
     moved = np.conj(shift) / pixels_per_metre(camera) - 1j * turn * (pose.centre - middle)
@@ -134,7 +134,7 @@ def _camera_change(pose: Pose, active: Active, case: Case, camera: Camera) -> np
 _CHANGES = {
     "clock": _clock,
     "label": _label,
-    "knock": _knock,
+    "displacement": _camera_displacement,
     "centre": _centre,
     "camera": _camera_change,
 }

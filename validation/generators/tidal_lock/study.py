@@ -15,7 +15,7 @@ from .form import Active, Form
 from .motor import draw_potentiometer, write_log
 from .optics import draw_camera
 from .robot import draw_robot, in_pool
-from .tracking import draw_habits, draw_noise, perfect_pixels, tracked
+from .tracking import draw_disturbances, draw_noise, perfect_pixels, tracked
 from .water import draw_ambient
 
 BLOCK = 20
@@ -89,10 +89,10 @@ def _stated_camera(tank: Tank, active: tuple[Active, ...]):
 
 
 def _write_trials(rng, tank: Tank, active, folder: Path, with_logs: bool):
-    """Keypoint files, motor logs and trials.csv; returns the tracker's habits and durations."""
+    """Keypoint files, motor logs and trials.csv; returns keypoint disturbances and durations."""
     case, times, states, valid = run(tank, active)
     campaign, noise = tank.campaign, tank.noise
-    habits, pot = draw_habits(rng), draw_potentiometer(rng)
+    disturbances, pot = draw_disturbances(rng), draw_potentiometer(rng)
     beats = campaign.logged * drive_factor(times[:, None], case)
     phase = np.cumsum(2 * np.pi * beats * TIME_STEP, axis=0)
     phase -= phase[0]
@@ -100,7 +100,12 @@ def _write_trials(rng, tank: Tank, active, folder: Path, with_logs: bool):
     frames = np.arange(int(spans.max() * noise.fps) + 1) / noise.fps
     origin = rng.uniform(0, 2 * np.pi, campaign.trials)
     pixels = perfect_pixels(
-        times, states, case, instruments=(tank.camera, habits), frames=frames, beat=(phase, origin)
+        times,
+        states,
+        case,
+        instruments=(tank.camera, disturbances),
+        frames=frames,
+        beat=(phase, origin),
     )
     (folder / "keypoints").mkdir(parents=True, exist_ok=True)
     if with_logs:
@@ -109,7 +114,7 @@ def _write_trials(rng, tank: Tank, active, folder: Path, with_logs: bool):
         name = f"T{i + 1:02d}"
         shown = frames <= spans[i] - 0.05
         write_keypoints(
-            folder / f"keypoints/{name}.csv", *tracked(rng, pixels[shown, i], noise, habits)
+            folder / f"keypoints/{name}.csv", *tracked(rng, pixels[shown, i], noise, disturbances)
         )
         row = {
             "trial_id": name,
@@ -128,7 +133,7 @@ def _write_trials(rng, tank: Tank, active, folder: Path, with_logs: bool):
             row["flap_hz"] = f"{campaign.logged[i] * case.logged_ratio[i]:.4f}"
         rows.append(row)
     write_rows(folder / "trials.csv", rows)
-    return habits, spans
+    return disturbances, spans
 
 
 def _records(active: tuple[Active, ...], seen: np.ndarray) -> list[dict]:
@@ -169,10 +174,10 @@ def _conditions(tank: Tank, spans: np.ndarray, with_logs: bool, fin: tuple[Activ
     }
 
 
-def _noise_record(tank: Tank, habits) -> dict:
+def _noise_record(tank: Tank, disturbances) -> dict:
     return {
         **{f"tracking_{k}": round(float(v), 4) for k, v in asdict(tank.noise).items()},
-        **{k: round(float(v), 5) for k, v in asdict(habits).items()},
+        **{k: round(float(v), 5) for k, v in asdict(disturbances).items()},
         "water_kind": tank.ambient.kind,
         "water_speed_m_s": round(float(tank.ambient.speed), 6),
         "water_correlation_s": round(float(tank.ambient.correlation), 3),
@@ -196,7 +201,7 @@ def generate(seed: int, index: int, folder: Path) -> dict:
     stated = _stated_camera(tank, active)
     corners = stated.corners + rng.normal(0, CORNER_STD, (4, 2))
     write_yaml(study / "study.yaml", study_table(tank.robot, stated, corners))
-    habits, spans = _write_trials(rng, tank, active, study, with_logs)
+    disturbances, spans = _write_trials(rng, tank, active, study, with_logs)
     fin = active[: int(with_fin)]
     unlisted = active[-1] if group == "unlisted" else None
     listed = active[:-1] if unlisted else active
@@ -207,7 +212,7 @@ def generate(seed: int, index: int, folder: Path) -> dict:
         "fin": with_fin,
         "trials": tank.campaign.trials,
         "causes": _records(listed, seen[: len(listed)]),
-        "noise": _noise_record(tank, habits),
+        "noise": _noise_record(tank, disturbances),
         "robot": {k: v for k, v in asdict(tank.robot).items() if k != "pool"},
         "conditions": _conditions(tank, spans, with_logs, fin),
     }

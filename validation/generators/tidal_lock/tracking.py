@@ -9,12 +9,13 @@ from .dynamics import Case
 from .laws_body import SINKING_SHAPES
 from .observation import Pose, centre_shift, recorded_times, true_pose
 from .optics import Camera, project
+from .water import first_order_autoregression
 
 BODYPARTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
 
 
 @dataclass(frozen=True)
-class Habits:
+class KeypointDisturbances:
     """Recoil, tail beat and the tracker's failures, one set a study."""
 
     recoil_heading: float  # rad
@@ -33,9 +34,9 @@ def draw_noise(rng: np.random.Generator) -> Noise:
     return Noise(rng.uniform(0.3, 1.0), rng.uniform(0.15, 0.6), rng.uniform(0.15, 0.6), fps)
 
 
-def draw_habits(rng: np.random.Generator) -> Habits:
+def draw_disturbances(rng: np.random.Generator) -> KeypointDisturbances:
     """Recoil, tail beat and failures of the tracker."""
-    return Habits(
+    return KeypointDisturbances(
         recoil_heading=np.radians(rng.uniform(0.8, 4.0)),
         recoil_sway=rng.uniform(0.003, 0.012),
         recoil_lag=rng.uniform(0, 2 * np.pi),
@@ -57,7 +58,10 @@ def _label_offsets(case: Case, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def body_points(
-    pose: Pose, phases: tuple[np.ndarray, np.ndarray], case: Case, habits: Habits
+    pose: Pose,
+    phases: tuple[np.ndarray, np.ndarray],
+    case: Case,
+    disturbances: KeypointDisturbances,
 ) -> np.ndarray:
     """Keypoints (frames, rows, 5) as x + iy; `phases` holds the tail's phase since the start
     (frames, rows) and at the start (rows,).
@@ -65,24 +69,28 @@ def body_points(
     robot = case.robot
     going = np.clip(phases[0] / (2 * np.pi), 0, 1)
     beat = phases[0] + phases[1]
-    theta = pose.theta + habits.recoil_heading * going * np.sin(beat + habits.recoil_lag)
+    theta = pose.theta + disturbances.recoil_heading * going * np.sin(
+        beat + disturbances.recoil_lag
+    )
     core = theta + pose.phi
-    sway = habits.recoil_sway * robot.length * going * np.sin(beat)
+    sway = disturbances.recoil_sway * robot.length * going * np.sin(beat)
     centre = pose.centre + 1j * sway * np.exp(1j * core)
     for active in case.active:
         if active.form.stage == "centre":
             centre = centre + centre_shift(pose, active, case)
     hinge = centre + robot.hinge_to_com * np.exp(1j * core)
     base = centre - robot.aft * np.exp(1j * core)
-    tail = base - robot.tail * np.exp(1j * (core + habits.tail_swing * going * np.sin(beat + 0.8)))
+    tail = base - robot.tail * np.exp(
+        1j * (core + disturbances.tail_swing * going * np.sin(beat + 0.8))
+    )
     label, tip = _label_offsets(case, pose.phi)
     nose = hinge + (case.head + tip) * np.exp(1j * theta)
     return np.stack([nose, hinge, centre + label * np.exp(1j * core), base, tail], axis=-1)
 
 
-def _knocked(pixels, frames, case: Case, camera: Camera) -> np.ndarray:
+def _with_camera_displacements(pixels, frames, case: Case, camera: Camera) -> np.ndarray:
     for active in case.active:
-        if active.form.stage == "knock":
+        if active.form.stage == "displacement":
             shift, turn = active.form.law(frames[:, None], active.p, case.trial)
             middle = complex(*(n / 2 for n in camera.image))
             flat = (pixels[..., 0] + 1j * pixels[..., 1] - middle).transpose(2, 0, 1)
@@ -94,47 +102,45 @@ def _knocked(pixels, frames, case: Case, camera: Camera) -> np.ndarray:
 def perfect_pixels(times, states, case: Case, *, instruments, frames, beat) -> np.ndarray:
     """Raw pixels (frames, rows, 5, 2) without tracking errors.
 
-    `instruments` is (camera, habits); `beat` is the tail's phase since the start
+    `instruments` is (camera, disturbances); `beat` is the tail's phase since the start
     (steps, rows) at `times`, and the phase at the start (rows,).
     """
-    (camera, habits), (phase, origin) = instruments, beat
+    (camera, disturbances), (phase, origin) = instruments, beat
     when = recorded_times(case, frames)
     pose = true_pose(times, states, case)
     seen = pose.at(when)
     turned = Pose(times, 0j * phase, phase, phase).at(np.maximum(when, 0)).theta
-    points = body_points(seen, (turned, origin), case, habits)
+    points = body_points(seen, (turned, origin), case, disturbances)
     depth = np.full(points.shape, camera.depth)
     for active in case.active:
         if active.form.cause == "sinking":
             gain = active.p.amp * SINKING_SHAPES[active.form.form](np.maximum(when, 0))
             depth = depth + gain[..., None]
     pixels = project(camera, np.stack([points.real, points.imag, -depth], axis=-1))
-    return _knocked(pixels, frames, case, camera)
+    return _with_camera_displacements(pixels, frames, case, camera)
 
 
 def _slow_noise(rng, shape, noise: Noise) -> np.ndarray:
-    keep = np.exp(-1 / (noise.fps * noise.slow_time))
-    kicks = rng.standard_normal(shape) * noise.slow
-    result = kicks.copy()
-    for k in range(1, len(result)):
-        result[k] = keep * result[k - 1] + np.sqrt(1 - keep**2) * kicks[k]
-    return result
+    increments = rng.standard_normal(shape) * noise.slow
+    return first_order_autoregression(increments, np.exp(-1 / (noise.fps * noise.slow_time)))
 
 
-def tracked(rng: np.random.Generator, pixels: np.ndarray, noise: Noise, habits: Habits):
+def tracked(
+    rng: np.random.Generator, pixels: np.ndarray, noise: Noise, disturbances: KeypointDisturbances
+):
     """Detections (frames, 5, 2) of one trial and their likelihoods (frames, 5)."""
     frames, parts = pixels.shape[:2]
-    size = np.array([1, 1, 1, 1, habits.tail_factor])[:, None]
+    size = np.array([1, 1, 1, 1, disturbances.tail_factor])[:, None]
     errors = noise.white * rng.standard_normal(pixels.shape) + _slow_noise(rng, pixels.shape, noise)
     found = pixels + size * errors
     likelihood = 1 - rng.beta(1.2, 60, (frames, parts))
-    wrong = rng.random((frames, parts)) < habits.outliers
+    wrong = rng.random((frames, parts)) < disturbances.outliers
     jumps = rng.uniform(8, 90, (frames, parts)) * np.exp(2j * np.pi * rng.random((frames, parts)))
     jumps = np.where(wrong, jumps, 0)
     found = found + np.stack([jumps.real, jumps.imag], axis=-1)
-    certain = rng.random((frames, parts)) < habits.certain_outliers
+    certain = rng.random((frames, parts)) < disturbances.certain_outliers
     likelihood = np.where(wrong & ~certain, rng.uniform(0.02, 0.7, wrong.shape), likelihood)
-    for _ in range(rng.poisson(habits.gaps)):
+    for _ in range(rng.poisson(disturbances.gaps)):
         first = rng.integers(0, frames)
         last = first + int(noise.fps * rng.uniform(0.08, 0.5)) + 1
         lost = np.flatnonzero(rng.random(parts) < 0.6)

@@ -19,16 +19,23 @@ class Ambient:
     velocity: Callable[..., np.ndarray]
 
 
+def first_order_autoregression(increments: np.ndarray, keep: float) -> np.ndarray:
+    """Stationary series (steps, ...) with the variance of the independent `increments`, of which
+    the share `keep` stays from one step to the next.
+    """
+    series = increments.copy()
+    for k in range(1, len(series)):
+        series[k] = keep * series[k - 1] + np.sqrt(1 - keep**2) * increments[k]
+    return series
+
+
 def _drifting(rng, _robot: Robot, trials: int, speed: float) -> tuple[float, Callable]:
     """Ornstein-Uhlenbeck velocity, the same everywhere in the pool."""
     tau = rng.uniform(2, 6)
     keep = np.exp(-TIME_STEP / tau)
     steps = 1100
-    kicks = rng.standard_normal((steps, trials, 2)) @ np.array([1, 1j]) * speed / np.sqrt(2)
-    table = np.empty((steps, trials), complex)
-    table[0] = kicks[0]
-    for k in range(1, steps):
-        table[k] = keep * table[k - 1] + np.sqrt(1 - keep**2) * kicks[k]
+    increments = rng.standard_normal((steps, trials, 2)) @ np.array([1, 1j]) * speed / np.sqrt(2)
+    table = first_order_autoregression(increments, keep)
 
     def velocity(t, _x, _y, trial):
         k = np.clip(np.asarray(t) / TIME_STEP, 0, steps - 2)

@@ -337,6 +337,30 @@ def test_a_force_about_one_speed_is_largest_there_and_a_quarter_at_its_width(nam
     assert abs(force(1.0, 0.02, 0.3, 0.1)[place]) < 0.02 / 2000
 
 
+@pytest.mark.parametrize("place", [(0.6, 0.4), (2.1, 0.4)])
+def test_a_cable_pulls_towards_its_point_by_its_stretch(place) -> None:
+    """A point in the middle of the pool, 0.5 N/m, 0.2 m slack; the robot swims along y."""
+    pull = two_plate_system().effect("pull_to_pool_point").hooks["force"]
+    at = {"cpsi": 0.0, "spsi": 1.0, "L_pool": 2.6, "W_pool": 1.6, "length_unit": 1.0}
+    away = np.array([1.3, 0.8]) - place
+    distance = float(np.hypot(*away))
+    surge, sway, moment = pull(*place, **at, k=0.5, s=0.2, a=0.5, b=0.5)
+    expected = 0.5 * (distance - 0.2) * away / distance
+    assert (-sway, surge) == pytest.approx(expected, abs=1e-5)
+    assert moment == 0.0
+    assert pull(*place, **at, k=0.5, s=1.5, a=0.5, b=0.5) == pytest.approx([0, 0, 0], abs=1e-6)
+
+
+def test_a_cable_to_the_start_pulls_back_and_its_torsion_turns_back() -> None:
+    system = two_plate_system()
+    pull, twist = (system.effect(name).hooks["force"] for name in
+                   ("pull_to_start", "torsion_since_start"))  # fmt: skip
+    ahead = pull(1.5, 0.5, 0.5, 0.5, 1.0, 0.0, 1.0, k=0.3, s=0.0)
+    assert ahead == pytest.approx([-0.3, 0, 0], abs=1e-5)
+    assert pull(0.5, 0.5, 0.5, 0.5, 1.0, 0.0, 1.0, k=0.3, s=0.0) == pytest.approx([0, 0, 0])
+    assert twist(7.0, 1.0, 0.01)[2] == pytest.approx(-0.06)
+
+
 def lift_over_steady(e: float, w: float, speeds: np.ndarray) -> np.ndarray:
     """Lift by the lag's own equations over its steady value, 24 steps a head length travelled, at
     speeds one a step; k = 1, s = 1.5, sin 2 alpha = 0.6.

@@ -11,7 +11,7 @@ from .. import effects, measurement, observation
 from ..data import Float
 from ..integrate import Effect, Parameter, Stage, System, effect_from_module
 from ..observation import tracking_error
-from . import disturbance, equations, near_speed, periodic, random_current, residual
+from . import disturbance, equations, near_speed, periodic, random_current, residual, tether
 from .similarity import (
     PUBLISHED_MASS_KG,
     PUBLISHED_ROBOT,
@@ -57,8 +57,8 @@ ROBOT_STATE_NAMES = ("x", "y", "psi", "u", "v", "r")
 """States: position in the pool, heading of the core, surge, sway, yaw rate."""
 DYNAMICS_CONSTANT_NAMES = (
     "rho", "A", "A_ref", "l", "m", "I", "h", "span", "length", "x_hinge", "x_tail",
-    "l_tail", "L_pool", "W_pool", "psi0", "phi0", "t_start", "length_unit", "speed_unit",
-    "time_unit",
+    "l_tail", "L_pool", "W_pool", "x0", "y0", "psi0", "phi0", "t_start", "length_unit",
+    "speed_unit", "time_unit",
 )  # fmt: skip
 """Constants of the equations of motion; those of the observation model follow them. The units are
 those of the robot over those of the published one (`similarity`)."""
@@ -81,7 +81,8 @@ def all_effects() -> tuple[Effect, ...]:
         for name in effect_names(package)
     ]
     found = tuple(effect_from_module(module, MODEL_EQUATION_STAGES) for module in modules)
-    return (*found, *near_speed.RESIDUAL_FORCE_EFFECTS, *periodic.RESIDUAL_FORCE_EFFECTS)
+    return (*found, *near_speed.RESIDUAL_FORCE_EFFECTS, *periodic.RESIDUAL_FORCE_EFFECTS,
+            *tether.RESIDUAL_FORCE_EFFECTS)  # fmt: skip
 
 
 def is_residual(label: str) -> bool:

@@ -55,14 +55,14 @@ class RobotAndPool(Protocol):
 
 def constants_of_robot_trial(
     setup: RobotAndPool, head_length_m: float, *, heading_rad: float = 0.0,
-    angle_before_rad: float = 0.0, start_s: float = 0.0, view: CameraErrorInputs | None = None,
-    units: RobotUnits | None = None,
+    place_m: tuple[float, float] = (0.0, 0.0), angle_before_rad: float = 0.0, start_s: float = 0.0,
+    view: CameraErrorInputs | None = None, units: RobotUnits | None = None,
 ) -> Float:  # fmt: skip
     """Constants of one trial in the order of `two_plate_system().constants`, (constants,).
 
-    heading_rad: at the start. angle_before_rad: head angle of the trial before. start_s: when the
-    motor starts. view: how the trial is seen; without, no measurement errors. units: of the robot
-    whose effects are simulated, where it is another one.
+    heading_rad, place_m (x and y): at the start. angle_before_rad: head angle of the trial before.
+    start_s: when the motor starts. view: how the trial is seen; without, no measurement errors.
+    units: of the robot whose effects are simulated, where it is another one.
     """
     robot, pool = setup.robot, setup.pool
     units = units or robot_units(robot)
@@ -81,6 +81,8 @@ def constants_of_robot_trial(
         "l_tail": robot.tail_length_m,
         "L_pool": pool.length_m,
         "W_pool": pool.width_m,
+        "x0": place_m[0],
+        "y0": place_m[1],
         "psi0": heading_rad,
         "phi0": angle_before_rad,
         "t_start": start_s,
@@ -132,7 +134,9 @@ def simulate(
         robot_system(setup.robot).values(coefficients, effects),
         times,
         inputs,
-        constants_of_robot_trial(setup, head_length_m, heading_rad=start[2]),
+        constants_of_robot_trial(
+            setup, head_length_m, heading_rad=start[2], place_m=(start[0], start[1])
+        ),
         np.array(start, dtype=float),
     )
 

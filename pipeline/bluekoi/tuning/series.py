@@ -94,6 +94,7 @@ def trial_series(
             setup,
             trial.head_length_m,
             heading_rad=start[2],
+            place_m=(start[0], start[1]),
             angle_before_rad=angle_before_rad,
             start_s=-LONG_BEFORE_S if swims else started,
             view=camera_error_inputs(setup),

@@ -181,8 +181,9 @@ def _recorded_rates(
     state[:, :6] = one.motion[:, :6, None]
     values = np.repeat(models[0][:, None], LANES, axis=1)
     values[:, 1] = models[1]
+    x, y, heading = map(float, one.motion[0, :3])
     fixed = constants_of_robot_trial(
-        campaign.study.setup, trial.head_length_m, heading_rad=float(one.motion[0, 2])
+        campaign.study.setup, trial.head_length_m, heading_rad=heading, place_m=(x, y)
     )
     inputs = [trial.head_angle_rad, campaign.steady[one.trial_id].flap_hz]
 

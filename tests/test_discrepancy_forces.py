@@ -92,30 +92,39 @@ def test_a_discrepancy_is_a_share_of_the_cause_in_the_same_channel(
 
 
 def test_the_evidence_is_the_mean_over_the_shares_that_a_formula_may_be_wrong_by(
+    friction_fit: tuple[CauseSearchProblem, FittedCauseSet],
     friction_columns: tuple[LikelihoodExpansion, CauseSetColumns],
 ) -> None:
     expansion, lay = friction_columns
     single = [log_evidence_at_discrepancy_shares(expansion, lay, {"coulomb_friction": share})
               for share in PRIOR_DISCREPANCY_SHARES]  # fmt: skip
+    assert single[0] == max(single)
     mean = np.log(np.mean(np.exp(np.array(single) - max(single)))) + max(single)
-    assert log_evidence(expansion, lay) == pytest.approx(mean)
+    assert log_evidence(friction_fit[0], expansion, lay) == pytest.approx(mean)
 
 
 def test_an_exact_formula_is_not_charged_for_forces_that_it_does_not_leave(
+    friction_fit: tuple[CauseSearchProblem, FittedCauseSet],
     friction_columns: tuple[LikelihoodExpansion, CauseSetColumns],
 ) -> None:
-    """The trials have no friction: what is fitted needs no discrepancy, and at most log 3 is lost
+    """The trials have no friction: what is fitted needs no discrepancy, and at most log 4 is lost
     against the evidence without one.
     """
     expansion, lay = friction_columns
     none = log_evidence_at_discrepancy_shares(expansion, lay, {"coulomb_friction": 1e-6})
-    assert log_evidence(expansion, lay) > none - np.log(len(PRIOR_DISCREPANCY_SHARES)) - 0.5
+    assert (
+        log_evidence(friction_fit[0], expansion, lay)
+        > none - np.log(len(PRIOR_DISCREPANCY_SHARES)) - 0.5
+    )
 
 
-def test_a_large_remainder_makes_the_largest_share_most_probable(
+def test_a_large_remainder_makes_the_largest_share_most_probable_and_counts_once_it_is_fitted(
+    friction_fit: tuple[CauseSearchProblem, FittedCauseSet],
     friction_columns: tuple[LikelihoodExpansion, CauseSetColumns],
 ) -> None:
-    """A residual force of a fifth of the cause's own, far above its standard error."""
+    """A residual force of a fifth of the cause's own, far above its standard error. The evidence
+    counts it only if the set was fitted under a prior that allows it.
+    """
     expansion, lay = friction_columns
     position = int(np.argmax(lay.discrepancy["coulomb_friction"]))
     column = lay.columns[position]
@@ -127,6 +136,17 @@ def test_a_large_remainder_makes_the_largest_share_most_probable(
     assert most_probable_discrepancy_shares(pushed, lay) == {
         "coulomb_friction": max(PRIOR_DISCREPANCY_SHARES)
     }
+    at = {share: log_evidence_at_discrepancy_shares(pushed, lay, {"coulomb_friction": share})
+          for share in PRIOR_DISCREPANCY_SHARES}  # fmt: skip
+    few, most = at[min(PRIOR_DISCREPANCY_SHARES)], at[max(PRIOR_DISCREPANCY_SHARES)]
+    assert most > few + 10.0
+    problem = friction_fit[0]
+    assert log_evidence(problem, pushed, lay) == pytest.approx(few)
+    (label,) = (f.label for name, columns in expansion.strengths.items()
+                for f, i in zip(problem.by_name[name].strengths, columns, strict=True)
+                if i == column)  # fmt: skip
+    fitted = replace(pushed, model=replace(friction_fit[1], deviations={label: size}))
+    assert log_evidence(problem, fitted, lay) > few + 5.0
 
 
 def test_a_term_of_two_causes_may_be_as_strong_as_the_larger_share_of_them() -> None:

@@ -36,6 +36,8 @@ from bluekoi.tuning import (
 )
 
 RIDGE = 1e-9
+ODD_EIGHTHS = (0.125, 0.375, 0.625, 0.875)
+"""Probabilities of the middles of four equally probable parts of a distribution."""
 
 
 def relative_residuals(study: Path, results: Path) -> dict[str, list[float]]:
@@ -109,10 +111,21 @@ def residual_sum_of_squares(H: Float, known: Sequence[int], columns: Sequence[in
     return np.maximum(left, 0.0) / scale[list(columns)] ** 2
 
 
+def weighted_quantiles(values: dict[str, list[float]], probabilities: Sequence[float]) -> Float:
+    """Quantiles (n,) of the kappa of all forms, each cause with the same weight."""
+    rows = [(np.sqrt(v), 1.0 / len(own)) for own in values.values() for v in own]
+    kappa, weight = np.array(sorted(rows)).T
+    below = np.cumsum(weight) / weight.sum()
+    return np.asarray(kappa[np.minimum(np.searchsorted(below, probabilities), len(kappa) - 1)])
+
+
 def discrepancy_report(values: dict[str, list[float]]) -> str:
     """Kappa of each cause, and of all causes with equal weight."""
     rows = {c: float(np.sqrt(np.mean(v))) for c, v in values.items()}
     lines = [f"{c:28s} {k:.3f}  ({len(values[c])} forms)" for c, k in sorted(rows.items())]
     whole = np.sqrt(np.mean([k**2 for k in rows.values()]))
+    eighths = weighted_quantiles(values, ODD_EIGHTHS)
     return "\n".join([*lines, f"root mean square of {len(rows)} causes: {whole:.3f}",
-                      f"median: {np.median(list(rows.values())):.3f}"])  # fmt: skip
+                      f"median: {np.median(list(rows.values())):.3f}",
+                      "quantiles 1/8, 3/8, 5/8, 7/8 of the forms: "
+                      + ", ".join(f"{q:.3f}" for q in eighths)])  # fmt: skip

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.discrepancy import discrepancy_report, residual_sum_of_squares
+from validation.discrepancy import discrepancy_report, residual_sum_of_squares, weighted_quantiles
 
 
 def test_remainder_is_the_square_of_the_residual_of_a_regression() -> None:
@@ -28,3 +28,8 @@ def test_report_states_the_root_mean_square_of_each_cause() -> None:
     text = discrepancy_report({"stall": [0.01, 0.03], "added_mass": [0.04]})
     assert "stall                        0.141  (2 forms)" in text
     assert "median: 0.171" in text
+
+
+def test_quantiles_count_each_cause_once() -> None:
+    values = {"stall": [0.01, 0.04, 0.09, 0.16], "added_mass": [1.0]}
+    assert weighted_quantiles(values, (0.1, 0.45, 0.9)) == pytest.approx([0.1, 0.4, 1.0])

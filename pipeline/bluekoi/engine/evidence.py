@@ -25,7 +25,7 @@ falls inside the bound, the faster the more it pushes, and the integral of this 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from scipy.special import erfcx, gammaln, log_ndtr, logsumexp
@@ -34,6 +34,7 @@ from ..data import Float
 from .expansion import LikelihoodExpansion
 from .problem import CauseSearchProblem
 from .set_columns import (
+    MIN_DISCREPANCY_SHARE,
     MIN_INFORMATION,
     CauseSetColumns,
     discrepancy_share_combinations,
@@ -52,12 +53,35 @@ LOG_PROBABILITY_OF_IMPOSSIBLE = -50.0
 defined, and so low that no such set is named."""
 
 
-def log_evidence(expansion: LikelihoodExpansion, lay: CauseSetColumns) -> float:
-    """Log m(S) of a set, averaged over the shares of the discrepancies of its causes."""
+def log_evidence(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns
+) -> float:
+    """Log m(S) of a set, averaged over the shares of the discrepancies of its causes.
+
+    Evidence at other shares than those of the fit is extrapolated, and is not counted above that at
+    the shares of the fit (docs/decisions/066).
+    """
+    combinations = discrepancy_share_combinations(lay)
+    given = precisions_at_discrepancy_shares(lay, combinations)
     values = _log_evidences(
-        expansion, lay, precisions_at_discrepancy_shares(lay, discrepancy_share_combinations(lay))
+        expansion, lay, np.vstack([given, _fitted_precision(problem, expansion, lay)])
     )
-    return float(logsumexp(values) - np.log(len(values)))
+    return float(logsumexp(np.minimum(values[:-1], values[-1])) - np.log(len(combinations)))
+
+
+def _fitted_precision(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns
+) -> Float:
+    """Prior precision (p,) of the columns under which the set was fitted; of a discrepancy that was
+    not fitted, that at the smallest share.
+    """
+    smallest = dict.fromkeys(lay.discrepancy, MIN_DISCREPANCY_SHARE)
+    out = precisions_at_discrepancy_shares(lay, [smallest])[0]
+    labels, fitted = _labels_of_discrepancy_columns(problem, expansion), expansion.model.deviations
+    for k, column in enumerate(lay.columns):
+        if lay.gaussian[k] and (std := fitted.get(labels.get(int(column), ""))):
+            out[k] = std**-2.0
+    return out
 
 
 def log_evidence_at_discrepancy_shares(
@@ -68,10 +92,14 @@ def log_evidence_at_discrepancy_shares(
 
 
 def most_probable_discrepancy_shares(
-    expansion: LikelihoodExpansion, lay: CauseSetColumns
+    expansion: LikelihoodExpansion, lay: CauseSetColumns, *, smallest_of: Collection[str] = ()
 ) -> dict[str, float]:
-    """Cause -> the share of its discrepancy with which the set has the largest evidence."""
-    every = discrepancy_share_combinations(lay)
+    """Cause -> the share of its discrepancy with which the set has the largest evidence.
+
+    smallest_of: causes that are given the smallest share.
+    """
+    every = [one for one in discrepancy_share_combinations(lay)
+             if all(one[c] == MIN_DISCREPANCY_SHARE for c in smallest_of)]  # fmt: skip
     values = _log_evidences(expansion, lay, precisions_at_discrepancy_shares(lay, every))
     return max(zip(values.tolist(), every, strict=True), key=lambda both: both[0])[1]
 
@@ -190,14 +218,16 @@ def log_prior(problem: CauseSearchProblem, causes: Sequence[str]) -> float:
 
 
 def most_probable_discrepancy(
-    problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns
+    problem: CauseSearchProblem,
+    expansion: LikelihoodExpansion,
+    lay: CauseSetColumns,
+    shares: Mapping[str, float],
 ) -> dict[str, tuple[float, float]]:
     """Label -> most probable value of a residual term as a discrepancy of the set's causes, or of
-    an offset within its tolerance, and its prior standard deviation at the most probable shares.
+    an offset within its tolerance, and its prior standard deviation at these shares.
     """
     H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
     g = expansion.gradient.sum(axis=0)[lay.columns]
-    shares = most_probable_discrepancy_shares(expansion, lay)
     given = precisions_at_discrepancy_shares(lay, [shares])[0]
     precision = np.where(lay.included, 0.0, given)
     prior = np.where(lay.gaussian & ~lay.included, lay.at, 0.0)
@@ -205,11 +235,27 @@ def most_probable_discrepancy(
     A = (H + np.diag(precision))[np.ix_(free, free)]
     step = np.zeros(len(g))
     step[free] = np.linalg.lstsq(A, (g - precision * prior)[free], rcond=1e-10)[0]
-    places = {
+    places = _labels_of_discrepancy_columns(problem, expansion)
+    return {places[i]: (float(lay.at[k] + step[k]), float(given[k] ** -0.5))
+            for k, i in enumerate(lay.columns) if i in places and lay.gaussian[k]}  # fmt: skip
+
+
+def causes_with_further_discrepancy(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns
+) -> set[str]:
+    """Causes of a set whose discrepancy has columns that were not fitted."""
+    labels, fitted = _labels_of_discrepancy_columns(problem, expansion), expansion.model.deviations
+    return {cause for cause, deviations in lay.discrepancy.items()
+            if any(labels[i] not in fitted for i in lay.columns[deviations > 0])}  # fmt: skip
+
+
+def _labels_of_discrepancy_columns(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion
+) -> dict[int, str]:
+    """Column of an expansion -> label of the residual term or of the offset within a tolerance."""
+    return {
         column: free.label
         for name, columns in expansion.strengths.items()
         for free, column in zip(problem.by_name[name].strengths, columns, strict=True)
         if problem.by_name[name].is_residual or free.name in problem.tolerances
     }  # fmt: skip
-    return {places[i]: (float(lay.at[k] + step[k]), float(given[k] ** -0.5))
-            for k, i in enumerate(lay.columns) if i in places and lay.gaussian[k]}  # fmt: skip

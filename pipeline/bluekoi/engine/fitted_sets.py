@@ -12,7 +12,12 @@ from .expansion import LikelihoodExpansion, expand_likelihood
 from .own_noise import fit_own_noise
 from .problem import CauseSearchProblem
 from .refit import FittedCauseSet, fit_cause_set, likeliest_strength_start
-from .set_score import ScoredCauseSet, refit_with_discrepancy, score_cause_set
+from .set_score import (
+    ScoredCauseSet,
+    refit_with_discrepancy,
+    score_cause_set,
+    with_own_noise,
+)
 
 MAX_LOG_ODDS_TO_REFIT = 20.0
 """Sets e^20 times less probable than the best after one round of noise and parameters are not
@@ -162,6 +167,5 @@ class FittedCauseSets:
 
 def _fit_until_converged(problem: CauseSearchProblem, scored: ScoredCauseSet) -> ScoredCauseSet:
     """A set whose noise, numbers and discrepancy are fitted in turn until none improves."""
-    model = fit_own_noise(problem, scored.model)
-    found = scored if model is scored.model else score_cause_set(problem, model)
+    found = with_own_noise(problem, scored)
     return refit_with_discrepancy(problem, found, rounds=MAX_DISCREPANCY_ROUNDS)

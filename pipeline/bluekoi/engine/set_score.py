@@ -9,7 +9,13 @@ import numpy as np
 
 from ..fitting import cov_hc2
 from ..fitting.joint_fit import parameter_definition
-from .evidence import log_evidence, log_prior, most_probable_discrepancy
+from .evidence import (
+    causes_with_further_discrepancy,
+    log_evidence,
+    log_prior,
+    most_probable_discrepancy,
+    most_probable_discrepancy_shares,
+)
 from .expansion import LikelihoodExpansion, expand_likelihood
 from .own_noise import MAX_NOISE_ROUNDS, fit_own_noise
 from .problem import CauseSearchProblem
@@ -65,42 +71,79 @@ def refit_with_discrepancy(
     tolerance: such a remainder is not random. most: rounds of noise and numbers. rounds: fits of
     the discrepancy, whose prior goes with the forces of the causes, which the fit changes.
 
-    The prior is that of the most probable shares: evidence that is extrapolated to them from a fit
-    at others can be wrong by several units (docs/decisions/065). The fit begins at the discrepancy
-    that the expansion predicts. Where it ends at a poorer fit, it is repeated from the discrepancy
-    as it was. If that is no better either, the fit as it was is taken as the optimum: a gain that
-    the expansion predicts and no fit reaches is not evidence.
+    The prior is first that of the smallest shares, to which the expansion about a fit without a
+    discrepancy reaches, then that of the most probable ones, as long as fits there have more
+    evidence (docs/decisions/066). A fit begins at the discrepancy that the expansion predicts.
+    Where it ends at a poorer fit, it is repeated from the discrepancy as it was. If that is no
+    better either, the fit as it was is taken as the optimum: a gain that the expansion predicts and
+    no fit reaches is not evidence.
     """
     if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
         return scored
-    best = most_probable_discrepancy(problem, scored.expansion, scored.layout)
-    known = scored.model.deviations
-    if not best or not np.isfinite(list(best.values())).all():
-        return scored
-    stds = {label: std for label, (_, std) in best.items()}
-    same = stds.keys() == known.keys()
-    if same and all(
-        abs(np.log(std / known[label])) < MAX_LOG_STD_CHANGE for label, std in stds.items()
+    expansion, lay = scored.expansion, scored.layout
+    further = causes_with_further_discrepancy(problem, expansion, lay)
+    shares = most_probable_discrepancy_shares(expansion, lay, smallest_of=further)
+    best = most_probable_discrepancy(problem, expansion, lay, shares)
+    if (
+        not best
+        or not np.isfinite(list(best.values())).all()
+        or _is_prior_of_fit(scored.model, {label: std for label, (_, std) in best.items()})
     ):
         return scored
+    found = _fitted_under_prior(problem, scored, best, most=most)
+    if not np.isfinite(found.log_posterior):
+        return scored
+    if further:
+        return refit_with_discrepancy(problem, found, most=most, rounds=rounds)
+    if rounds == 1 or found.log_posterior <= scored.log_posterior:
+        return max(scored, found, key=lambda s: s.log_posterior)
+    return refit_with_discrepancy(problem, found, most=most, rounds=rounds - 1)
 
-    def fitted_from(discrepancy: Mapping[str, float]) -> ScoredCauseSet | None:
-        model = refit_from_fitted_values(problem, scored.model, scored.model.noise, deviations=stds,
-                                         discrepancy=discrepancy)  # fmt: skip
-        if not model.usable:
-            return None
-        return score_cause_set(problem, fit_own_noise(problem, model, most=most))
 
+def _is_prior_of_fit(model: FittedCauseSet, stds: Mapping[str, float]) -> bool:
+    """Whether a set was fitted with these prior deviations of its discrepancy, nearly."""
+    known = model.deviations
+    return stds.keys() == known.keys() and all(
+        abs(np.log(std / known[label])) < MAX_LOG_STD_CHANGE for label, std in stds.items()
+    )
+
+
+def _fitted_under_prior(
+    problem: CauseSearchProblem,
+    scored: ScoredCauseSet,
+    best: Mapping[str, tuple[float, float]],
+    *,
+    most: int,
+) -> ScoredCauseSet:
+    """A set fitted with a discrepancy; best: label -> predicted value and prior deviation. Where no
+    fit gains, the set as it was under that prior.
+    """
+    stds = {label: std for label, (_, std) in best.items()}
     held = {label: scored.model.discrepancy.get(label, 0.0) for label in stds}
     before = replace(scored.model, deviations=stds, discrepancy=held)
-    found = fitted_from({label: value for label, (value, _) in best.items()})
-    if found is None or found.log_joint < before.log_joint:
-        found = fitted_from(held)
-    if found is not None and found.log_joint >= before.log_joint:
-        if rounds == 1:
-            return found
-        return refit_with_discrepancy(problem, found, most=most, rounds=rounds - 1)
+    for start in ({label: value for label, (value, _) in best.items()}, held):
+        model = refit_from_fitted_values(problem, scored.model, scored.model.noise, deviations=stds,
+                                         discrepancy=start)  # fmt: skip
+        if model.usable:
+            found = with_own_noise(problem, score_cause_set(problem, model), most=most)
+            if found.log_joint >= before.log_joint:
+                return found
     return score_cause_set(problem, before)
+
+
+def with_own_noise(
+    problem: CauseSearchProblem, scored: ScoredCauseSet, *, most: int = MAX_NOISE_ROUNDS
+) -> ScoredCauseSet:
+    """A set under its own noise, where that has more evidence; else as it was.
+
+    The noise is estimated at the fitted numbers, as if these were known. With many of them, such as
+    the weights of a discrepancy, that noise is too small (Patterson and Thompson, Biometrika 58
+    (1971), 545). The evidence, in which the numbers are integrated out, decides.
+    """
+    model = fit_own_noise(problem, scored.model, most=most)
+    if model is scored.model:
+        return scored
+    return max(scored, score_cause_set(problem, model), key=lambda s: s.log_posterior)
 
 
 def score_cause_set(problem: CauseSearchProblem, model: FittedCauseSet) -> ScoredCauseSet:
@@ -110,7 +153,7 @@ def score_cause_set(problem: CauseSearchProblem, model: FittedCauseSet) -> Score
                or any(f.name in problem.tolerances for f in c.strengths)]  # fmt: skip
     expansion = expansion_with_optimum_gradient(problem, expand_likelihood(problem, model, covered))
     lay = columns_of_cause_set(problem, expansion, model.causes)
-    value = log_evidence(expansion, lay) + log_prior(problem, model.causes)
+    value = log_evidence(problem, expansion, lay) + log_prior(problem, model.causes)
     return ScoredCauseSet(model, expansion, lay, value if np.isfinite(value) else -np.inf)
 
 

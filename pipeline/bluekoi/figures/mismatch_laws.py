@@ -63,8 +63,8 @@ def _draw_law(axes: Axes, law: Mapping[str, Any], points: Mapping[str, Mapping[s
     _draw_partial_residuals(axes, points)
     low, high = (np.asarray(law.get(k) or [], dtype=float) for k in ("low", "high"))
     if len(low) == len(high) == len(x):
-        axes.fill_between(x, low, high, color=AFTER_COLOUR, alpha=0.2, lw=0, label="95 % band")
-    axes.plot(x, y, color=AFTER_COLOUR, lw=2, label="estimate")
+        axes.fill_between(x, low, high, color=AFTER_COLOUR, alpha=0.35, lw=0, label="95 % band")
+    axes.plot(x, y, color=AFTER_COLOUR, lw=0.8, label="estimate")
     axes.axhline(0, color="0.4", lw=0.8)
     unit = str(law.get("unit") or "")
     axes.set_xlabel(

@@ -103,7 +103,7 @@ def test_the_evidence_is_the_mean_over_the_shares_that_a_formula_may_be_wrong_by
     assert log_evidence(friction_fit[0], expansion, lay) == pytest.approx(mean)
 
 
-def test_an_exact_formula_is_not_charged_for_forces_that_it_does_not_leave(
+def test_discrepancy_of_an_exact_formula_costs_at_most_log_4(
     friction_fit: tuple[CauseSearchProblem, FittedCauseSet],
     friction_columns: tuple[LikelihoodExpansion, CauseSetColumns],
 ) -> None:
@@ -118,7 +118,7 @@ def test_an_exact_formula_is_not_charged_for_forces_that_it_does_not_leave(
     )
 
 
-def test_a_large_remainder_makes_the_largest_share_most_probable_and_counts_once_it_is_fitted(
+def test_evidence_of_a_large_remainder_is_capped_at_the_fitted_share(
     friction_fit: tuple[CauseSearchProblem, FittedCauseSet],
     friction_columns: tuple[LikelihoodExpansion, CauseSetColumns],
 ) -> None:

@@ -344,21 +344,39 @@ def test_a_cable_pulls_towards_its_point_by_its_stretch(place) -> None:
     at = {"cpsi": 0.0, "spsi": 1.0, "L_pool": 2.6, "W_pool": 1.6, "length_unit": 1.0}
     away = np.array([1.3, 0.8]) - place
     distance = float(np.hypot(*away))
-    surge, sway, moment = pull(*place, **at, k=0.5, s=0.2, a=0.5, b=0.5)
+    surge, sway, moment = pull(*place, **at, k=0.5, s=0.2 / 2.6, a=0.5, b=0.5)
     expected = 0.5 * (distance - 0.2) * away / distance
     assert (-sway, surge) == pytest.approx(expected, abs=1e-5)
     assert moment == 0.0
-    assert pull(*place, **at, k=0.5, s=1.5, a=0.5, b=0.5) == pytest.approx([0, 0, 0], abs=1e-6)
+    assert pull(*place, **at, k=0.5, s=0.6, a=0.5, b=0.5) == pytest.approx([0, 0, 0], abs=1e-6)
 
 
 def test_a_cable_to_the_start_pulls_back_and_its_torsion_turns_back() -> None:
     system = two_plate_system()
     pull, twist = (system.effect(name).hooks["force"] for name in
                    ("pull_to_start", "torsion_since_start"))  # fmt: skip
-    ahead = pull(1.5, 0.5, 0.5, 0.5, 1.0, 0.0, 1.0, k=0.3, s=0.0)
+    ahead = pull(1.5, 0.5, 0.5, 0.5, 1.0, 0.0, 2.6, 1.0, k=0.3, s=0.0)
     assert ahead == pytest.approx([-0.3, 0, 0], abs=1e-5)
-    assert pull(0.5, 0.5, 0.5, 0.5, 1.0, 0.0, 1.0, k=0.3, s=0.0) == pytest.approx([0, 0, 0])
+    assert pull(0.5, 0.5, 0.5, 0.5, 1.0, 0.0, 2.6, 1.0, k=0.3, s=0.0) == pytest.approx([0, 0, 0])
     assert twist(7.0, 1.0, 0.01)[2] == pytest.approx(-0.06)
+
+
+def test_a_simulation_knows_where_it_began() -> None:
+    """Held back by a cable from its start, and turned back by its torsion."""
+    start = (0.7, 0.4, 0.3, 0.0, 0.0, 0.0)
+    common = {"setup": PAPER_SETUP, "head_length_m": 0.12, "head_angle_rad": 0.3, "flap_hz": 4.0,
+              "duration_s": 3.0, "start": start}  # fmt: skip
+    free, held, twisted = (
+        simulate(TABLE_1[100], **common, effects=effects)
+        for effects in (
+            None,
+            {"pull_to_start": {"stiffness": 0.3}},
+            {"torsion_since_start": {"stiffness": 0.02}},
+        )
+    )
+    far = [np.hypot(*(run.state[-1, :2] - start[:2])) for run in (free, held)]
+    assert far[1] < 0.9 * far[0]
+    assert abs(twisted.heading_rad[-1] - 0.3) < 0.9 * abs(free.heading_rad[-1] - 0.3)
 
 
 def lift_over_steady(e: float, w: float, speeds: np.ndarray) -> np.ndarray:

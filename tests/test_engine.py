@@ -51,12 +51,14 @@ from bluekoi.engine.own_noise import (
     noise_with_small_random_forces,
 )
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
+from bluekoi.engine.refit import refit_from_fitted_values
 from bluekoi.engine.set_columns import CauseSetColumns
 from bluekoi.engine.set_score import (
     MAX_LOG_STD_CHANGE,
     expansion_with_optimum_gradient,
     refit_with_discrepancy,
     score_cause_set,
+    with_own_noise,
 )
 from bluekoi.engine.subset import d_optimal_trial_subset
 from bluekoi.fitting import Z_95, FreeParameter, Noise, TrialSeries, cluster_robust_covariance
@@ -745,6 +747,60 @@ def test_an_offset_within_its_tolerance_is_fitted_and_integrated_out() -> None:
     slope = found.expansion.gradient[:, column].sum()
     assert slope == pytest.approx(found.model.discrepancy[label] / 0.04**2, rel=1e-6)
     assert found.log_posterior <= found.model.log_likelihood
+
+
+def test_a_predicted_gain_of_an_offset_that_no_fit_reaches_is_not_evidence(monkeypatch) -> None:
+    """As for a discrepancy: a fit that ends early leaves the offset, and its gain, at 0."""
+    problem, label = driven_mass_problem(driven_mass_trials(0.3, 0.1)), "constant_force.F0"
+    problem = replace(problem, tolerances={label: 0.04})
+    model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    scored = score_cause_set(problem, model)
+
+    def ends_early(
+        problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise, **given
+    ) -> FittedCauseSet:
+        return fit_cause_set(
+            problem, model.causes, noise, {"c": 3.0}, iterations=0, passes=1, **given
+        )
+
+    monkeypatch.setattr(set_score, "refit_from_fitted_values", ends_early)
+    monkeypatch.setattr(set_score, "fit_own_noise", lambda problem, model, **_: model)
+    found = refit_with_discrepancy(problem, scored)
+    assert found.model.discrepancy == {label: 0.0}
+    assert found.log_posterior < scored.log_posterior - 1.0
+
+
+def test_noise_is_kept_where_another_estimate_has_less_evidence(monkeypatch) -> None:
+    problem = driven_mass_problem(driven_mass_trials(0.3, 0.0))
+    model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    scored = score_cause_set(problem, model)
+    worse = refit_from_fitted_values(
+        problem, model, replace(model.noise, scale=3.0 * model.noise.scale)
+    )
+    monkeypatch.setattr(set_score, "fit_own_noise", lambda *_, **__: worse)
+    assert with_own_noise(problem, scored) is scored
+    less = score_cause_set(problem, worse)
+    monkeypatch.setattr(set_score, "fit_own_noise", lambda *_, **__: model)
+    assert with_own_noise(problem, less).model is model
+
+
+def test_a_discrepancy_is_fitted_first_at_the_smallest_share(monkeypatch) -> None:
+    """Then at the largest, which a force of a third of the cause's own needs."""
+    problem, label = problem_with_a_discrepancy(0.1), "constant_force.F0"
+    model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    scored, stds = score_cause_set(problem, model), []
+
+    def noted(
+        problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise, **given
+    ) -> FittedCauseSet:
+        stds.append(given["deviations"][label])
+        return refit_from_fitted_values(problem, model, noise, **given)
+
+    monkeypatch.setattr(set_score, "refit_from_fitted_values", noted)
+    refit_with_discrepancy(problem, scored, rounds=4)
+    scale = scored.layout.discrepancy["quadratic_drag"].max()
+    assert stds[0] == pytest.approx(0.006 * scale)
+    assert max(stds) == pytest.approx(0.2 * scale, rel=MAX_LOG_STD_CHANGE)
 
 
 def test_the_prior_of_a_discrepancy_is_that_of_the_forces_at_the_fit(monkeypatch) -> None:

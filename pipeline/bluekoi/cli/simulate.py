@@ -234,9 +234,8 @@ def _simulate_path(
     hz, angle = commands.at(times)
     start = np.array([0.5 * setup.pool.length_m, 0.5 * setup.pool.width_m, 0.0, 0.0, 0.0, 0.0])
     inputs = np.column_stack([angle, hz])
-    return simulate_at_times(
-        fit.values[0], times, inputs, constants_of_robot_trial(setup, length), start
-    )
+    constants = constants_of_robot_trial(setup, length, place_m=(start[0], start[1]))
+    return simulate_at_times(fit.values[0], times, inputs, constants, start)
 
 
 def _print_distance_and_turn(run: Simulation) -> None:

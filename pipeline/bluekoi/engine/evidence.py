@@ -92,14 +92,14 @@ def log_evidence_at_discrepancy_shares(
 
 
 def most_probable_discrepancy_shares(
-    expansion: LikelihoodExpansion, lay: CauseSetColumns, *, smallest_of: Collection[str] = ()
+    expansion: LikelihoodExpansion, lay: CauseSetColumns, *, at_smallest: Collection[str] = ()
 ) -> dict[str, float]:
     """Cause -> the share of its discrepancy with which the set has the largest evidence.
 
-    smallest_of: causes that are given the smallest share.
+    at_smallest: causes that are given the smallest share.
     """
     every = [one for one in discrepancy_share_combinations(lay)
-             if all(one[c] == MIN_DISCREPANCY_SHARE for c in smallest_of)]  # fmt: skip
+             if all(one[c] == MIN_DISCREPANCY_SHARE for c in at_smallest)]  # fmt: skip
     values = _log_evidences(expansion, lay, precisions_at_discrepancy_shares(lay, every))
     return max(zip(values.tolist(), every, strict=True), key=lambda both: both[0])[1]
 
@@ -240,10 +240,10 @@ def most_probable_discrepancy(
             for k, i in enumerate(lay.columns) if i in places and lay.gaussian[k]}  # fmt: skip
 
 
-def causes_with_further_discrepancy(
+def causes_with_unfitted_discrepancy(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns
 ) -> set[str]:
-    """Causes of a set whose discrepancy has columns that were not fitted."""
+    """Causes of a set whose discrepancy has weights that were not fitted."""
     labels, fitted = _labels_of_discrepancy_columns(problem, expansion), expansion.model.deviations
     return {cause for cause, deviations in lay.discrepancy.items()
             if any(labels[i] not in fitted for i in lay.columns[deviations > 0])}  # fmt: skip

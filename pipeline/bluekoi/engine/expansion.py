@@ -7,7 +7,7 @@ zero), in their functional forms, and in the residual terms.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -97,7 +97,7 @@ def expand_likelihood_in_all_forms(
     for candidate in problem.candidates if candidates is None else candidates:
         if candidate.name in model.causes:
             continue
-        for values in _forms_to_try(problem, candidate):
+        for values in _forms_to_try(problem, candidate, model.deviations):
             offsets = {system.slot[n]: v - parameter_definition(system, FreeParameter(n)).start
                        for n, v in values.items()}  # fmt: skip
             first = len(changes)
@@ -162,10 +162,13 @@ def _trial_information_and_gradients(
     return NormalEquationsByTrial(hessian, gradient, likelihood)
 
 
-def _forms_to_try(problem: CauseSearchProblem, candidate: Candidate) -> list[dict[str, float]]:
+def _forms_to_try(
+    problem: CauseSearchProblem, candidate: Candidate, fitted: Collection[str]
+) -> list[dict[str, float]]:
     """Forms (label -> value) from which a candidate may begin, the leading one first: the tries of
     a residual term, the named forms of a cause that its shape parameters can give. A cause whose
-    strength is 0 only within a tolerance keeps its leading form, which the tolerance is stated for.
+    strength is 0 only within a tolerance keeps its leading form, which the tolerance is stated for;
+    so does a term whose strength is fitted as a discrepancy: another form would change its force.
     """
     system = problem.kernel.system
     rows = [(f.label, parameter_definition(system, f)) for f in candidate.forms]
@@ -177,9 +180,9 @@ def _forms_to_try(problem: CauseSearchProblem, candidate: Candidate) -> list[dic
                  for form in system.effect(candidate.name).forms.values()]  # fmt: skip
         return [{}, *(form for form in named if form and form.keys() <= labels)]
     tries = [(label, p.tries) for label, p in rows if p.tries]
-    if not tries:
-        return [{}]
     leading = {label: p.start for label, p in rows if p.tries}
+    if not tries or any(f.label in fitted for f in candidate.strengths):
+        return [leading]
     further = [dict(zip(leading, values, strict=True))
                for values in zip(*(t for _, t in tries), strict=True)]  # fmt: skip
     return [leading, *(form for form in further if form != leading)]

@@ -9,7 +9,6 @@ import numpy as np
 
 from ..integrate.batch import threaded_map
 from .expansion import LikelihoodExpansion, expand_likelihood
-from .own_noise import fit_own_noise
 from .problem import CauseSearchProblem
 from .refit import FittedCauseSet, fit_cause_set, likeliest_strength_start
 from .set_score import (
@@ -120,7 +119,7 @@ class FittedCauseSets:
         plain = score_cause_set(problem, model)
         found = refit_with_discrepancy(problem, plain, most=1)
         if found is plain:
-            found = score_cause_set(problem, fit_own_noise(problem, model, most=1))
+            found = with_own_noise(problem, plain, most=1)
         return found
 
     def shared_discrepancy(self, near: FittedCauseSet, causes: frozenset[str]) -> dict[str, float]:

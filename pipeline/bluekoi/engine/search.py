@@ -32,17 +32,17 @@ from .expansion import (
     restricted_to_likeliest_forms,
 )
 from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FitRequest, FittedCauseSets
-from .own_noise import (
-    fit_own_noise,
-    fit_without_causes,
-    is_likelier_under_noise,
-    noise_with_small_random_forces,
-)
+from .own_noise import fit_without_causes, is_likelier_under_noise, noise_with_small_random_forces
 from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
 from .refit import FittedCauseSet, refit_from_fitted_values, strength_starts
 from .residual_magnitudes import plausible_residual_magnitudes
 from .set_columns import columns_of_cause_set
-from .set_score import ScoredCauseSet, refit_with_discrepancy, score_cause_set
+from .set_score import (
+    ScoredCauseSet,
+    refit_with_discrepancy,
+    score_cause_set,
+    with_own_noise,
+)
 from .subset import d_optimal_trial_subset
 
 REFITS_PER_SET = 5
@@ -208,7 +208,7 @@ def _refit_from_noise(
         return None
     left = visited.shared_discrepancy(source, model.key) or model.discrepancy
     again = refit_from_fitted_values(problem, model, source.noise, discrepancy=left)
-    return score_cause_set(problem, fit_own_noise(problem, again))
+    return with_own_noise(problem, score_cause_set(problem, again))
 
 
 def _lacking_one(scored: ScoredCauseSet) -> list[tuple[str, ...]]:

@@ -25,7 +25,9 @@ PRIOR_DISCREPANCY_SHARES = (0.006, 0.02, 0.06, 0.2)
 """Prior standard deviation of a cause's discrepancy relative to its force in each channel: values
 of equal prior probability. `python -m validation discrepancy` measures how far the forms of the
 causes differ from each other: the middles of the four quarters of that distribution are 0.6, 2.2,
-5.2 and 142 %; the last is of causes that hardly exert a force."""
+5.2 and 142 %. The last quarter holds servo lag, stall and head angle offset, whose leading formulas
+exert no force at the start values, and forms of the fin; 20 % is the value of fin and trim moment.
+"""
 MIN_DISCREPANCY_SHARE = min(PRIOR_DISCREPANCY_SHARES)
 """The share under which a discrepancy is fitted first."""
 MAX_DISCREPANCY_SHARE = max(PRIOR_DISCREPANCY_SHARES)

@@ -10,7 +10,7 @@ import numpy as np
 from ..fitting import cov_hc2
 from ..fitting.joint_fit import parameter_definition
 from .evidence import (
-    causes_with_further_discrepancy,
+    causes_with_unfitted_discrepancy,
     log_evidence,
     log_prior,
     most_probable_discrepancy,
@@ -67,22 +67,21 @@ def refit_with_discrepancy(
     most: int = MAX_NOISE_ROUNDS,
     rounds: int = 1,
 ) -> ScoredCauseSet:
-    """A set fitted together with what its causes' formulas leave, and with the offsets within their
-    tolerance: such a remainder is not random. most: rounds of noise and numbers. rounds: fits of
-    the discrepancy, whose prior goes with the forces of the causes, which the fit changes.
+    """A set fitted together with the discrepancy of its causes and with the offsets within their
+    tolerance. most: rounds of noise and parameters. rounds: fits of the discrepancy at the most
+    probable shares; its prior is relative to the forces of the causes, which the fit changes.
 
-    The prior is first that of the smallest shares, to which the expansion about a fit without a
-    discrepancy reaches, then that of the most probable ones, as long as fits there have more
-    evidence (docs/decisions/066). A fit begins at the discrepancy that the expansion predicts.
-    Where it ends at a poorer fit, it is repeated from the discrepancy as it was. If that is no
-    better either, the fit as it was is taken as the optimum: a gain that the expansion predicts and
-    no fit reaches is not evidence.
+    The first fit has the smallest shares, the next ones the most probable shares, as long as the
+    evidence at the fit increases (docs/decisions/066). A fit begins at the discrepancy that the
+    expansion predicts. Where it ends at a poorer fit, it is repeated from the discrepancy as it
+    was. If that is no better either, the fit as it was is taken as the optimum: a gain that the
+    expansion predicts and no fit reaches is not evidence.
     """
     if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
         return scored
     expansion, lay = scored.expansion, scored.layout
-    further = causes_with_further_discrepancy(problem, expansion, lay)
-    shares = most_probable_discrepancy_shares(expansion, lay, smallest_of=further)
+    unfitted = causes_with_unfitted_discrepancy(problem, expansion, lay)
+    shares = most_probable_discrepancy_shares(expansion, lay, at_smallest=unfitted)
     best = most_probable_discrepancy(problem, expansion, lay, shares)
     if (
         not best
@@ -93,7 +92,7 @@ def refit_with_discrepancy(
     found = _fitted_under_prior(problem, scored, best, most=most)
     if not np.isfinite(found.log_posterior):
         return scored
-    if further:
+    if best.keys() != scored.model.deviations.keys():  # the evidence so far was extrapolated
         return refit_with_discrepancy(problem, found, most=most, rounds=rounds)
     if rounds == 1 or found.log_posterior <= scored.log_posterior:
         return max(scored, found, key=lambda s: s.log_posterior)
@@ -134,11 +133,11 @@ def _fitted_under_prior(
 def with_own_noise(
     problem: CauseSearchProblem, scored: ScoredCauseSet, *, most: int = MAX_NOISE_ROUNDS
 ) -> ScoredCauseSet:
-    """A set under its own noise, where that has more evidence; else as it was.
+    """A set under its own noise where that has more evidence; otherwise unchanged.
 
-    The noise is estimated at the fitted numbers, as if these were known. With many of them, such as
-    the weights of a discrepancy, that noise is too small (Patterson and Thompson, Biometrika 58
-    (1971), 545). The evidence, in which the numbers are integrated out, decides.
+    The noise is estimated at the fitted parameters, as if these were known. With many parameters,
+    such as the weights of a discrepancy, it is underestimated (Patterson and Thompson, Biometrika
+    58 (1971), 545). The evidence, in which the parameters are integrated out, decides.
     """
     model = fit_own_noise(problem, scored.model, most=most)
     if model is scored.model:

@@ -18,7 +18,6 @@ from ..engine import (
     Posterior,
     ScoredCauseSet,
     choose_causes,
-    fit_own_noise,
     insignificance_sentence,
     posterior_over_sets,
     refit_without_discrepancy,
@@ -27,7 +26,7 @@ from ..engine import (
 from ..engine.calibration import calibrated_probability
 from ..engine.naming import MIN_NAMED_PROBABILITY, UNLISTED_FORCE_LABEL, log_evidence_gain
 from ..engine.problem import no_progress
-from ..engine.set_score import score_cause_set
+from ..engine.set_score import with_own_noise
 from ..errors import InputError, InputIssue, did_you_mean
 from ..fitting import TrialSeries
 from .checks import refuse_invalid_model
@@ -204,7 +203,7 @@ def _fit_compared_set(
     problem = ready.problem
     if (scored := visited.add(FitRequest(causes, visited.sets[frozenset()].model))) is None:
         return ComparedSet(causes, -np.inf, PREDICTION_ERRORS, (), {})
-    scored = score_cause_set(problem, fit_own_noise(problem, scored.model))
+    scored = with_own_noise(problem, scored)
     final = fit_without_discrepancy(problem, scored.model)
     ((criterion, errors),) = errors_by_better_criterion(
         ready.model, problem, [final], test, horizon_s

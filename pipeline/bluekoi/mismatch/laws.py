@@ -31,7 +31,10 @@ the figure of the laws, without a part in the verdict."""
 CHANNEL_UNITS = ("N", "N", "N m")
 VARIABLES_OF_EFFECT: Mapping[str, tuple[str, ...]] = {
     "angle of attack": ("angle_of_attack_rad",),
+    "angle turned": ("heading_turned_rad",),
     "beat": ("flap_hz",),
+    "distance from a point": ("x_m", "y_m"),
+    "distance from the start": ("x_m", "y_m"),
     "drift": ("sway_speed_m_s",),
     "early": ("time_s",),
     "head angle": ("head_angle_rad",),

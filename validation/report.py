@@ -41,7 +41,8 @@ BEGIN_MARKER, END_MARKER = "<!-- results: begin -->", "<!-- results: end -->"
 DEVELOPMENT_GENERATORS = ("quasi_steady", "strip_theory", "kirchhoff", "manoeuvring", "wake_memory",
                "field_lab", "tow_tank", "coupled_bodies", "potential_flow",
                "towing_basin", "flume_team", "glass_tank", "basin_trials",
-               "race_track", "pond_fleet", "leading_plate")  # fmt: skip
+               "race_track", "pond_fleet", "leading_plate", "campus_pool", "harbour_dock",
+               "tidal_lock")  # fmt: skip
 """Generators whose studies were inspected while the finder was developed."""
 OWN_GENERATORS = ("concealed", "concealed_footage")
 """Our own generator, from keypoints and from footage."""

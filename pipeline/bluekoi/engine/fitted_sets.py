@@ -24,10 +24,9 @@ fitted further. From the noise of the model without causes, further rounds raise
 of a set by 257.6 at most (34 sets of five studies, `python -m validation limits`). A search loses
 less, because its fits begin at the noise of a probable set."""
 MAX_DISCREPANCY_ROUNDS = 4
-"""Fits in which a set's discrepancy and the forces of its causes, to which its prior is relative,
-are made to agree. It bounds the work and has no part in the result where they come to agree, which
-they did in all of 34 sets of five studies (`python -m validation limits`). A set that is left with
-a prior of other forces has a gain that no fit reaches: 49 of log posterior in one case."""
+"""Fits of a set's discrepancy under priors that are relative to the forces of the fit before. They
+end where prior and forces agree, or where the evidence at the fit no longer increases; this bounds
+the work."""
 MAX_NESTED_LOG_LIK_LOSS = 1.0
 """A set is at least as likely as a part of it, up to the accuracy of a fit. A fit that is e^1 times
 less likely has ended at a worse maximum: it is repeated from where the further cause is absent."""

@@ -29,7 +29,8 @@ POINTS_AT_THE_WALLS = ((0.0, 0.0), (0.0, 0.5), (0.0, 1.0), (0.5, 0.0), (0.5, 1.0
                        (1.0, 0.5), (1.0, 1.0))  # fmt: skip
 """Corners of the pool and middles of its walls, in its length and width."""
 TRIED_SLACK = 0.25
-"""Slack that is tried besides none, over the length of the pool."""
+"""Slack that is tried besides none, over the length of the pool: a start of fits, without a part in
+the evidence."""
 TRIES = (*((*point, 0.0) for point in POINTS_AT_THE_WALLS),
          *((*point, TRIED_SLACK) for point in (MIDDLE, *POINTS_AT_THE_WALLS)))  # fmt: skip
 """Points and slacks that are tried, besides the middle of the pool without slack."""

@@ -94,7 +94,7 @@ def test_partial_residuals_of_a_damping_that_the_trials_do_not_have_show_none(
 
 
 def test_variables_of_effects_are_known_or_none():
-    effects = [*two_plate_system().effects]
+    effects = two_plate_system().effects
     names = {v for e in effects if e.kind == "physics" for v in e.variables}
     assert names - set(VARIABLES_OF_EFFECT) == {"current"}
     residual = {v for e in effects if e.kind == "residual" for v in e.variables}

@@ -136,17 +136,18 @@ def test_evidence_of_a_large_remainder_is_capped_at_the_fitted_share(
     assert most_probable_discrepancy_shares(pushed, lay) == {
         "coulomb_friction": max(PRIOR_DISCREPANCY_SHARES)
     }
-    at = {share: log_evidence_at_discrepancy_shares(pushed, lay, {"coulomb_friction": share})
-          for share in PRIOR_DISCREPANCY_SHARES}  # fmt: skip
-    few, most = at[min(PRIOR_DISCREPANCY_SHARES)], at[max(PRIOR_DISCREPANCY_SHARES)]
-    assert most > few + 10.0
+    smallest, largest = (
+        log_evidence_at_discrepancy_shares(pushed, lay, {"coulomb_friction": share})
+        for share in (min(PRIOR_DISCREPANCY_SHARES), max(PRIOR_DISCREPANCY_SHARES))
+    )
+    assert largest > smallest + 10.0
     problem = friction_fit[0]
-    assert log_evidence(problem, pushed, lay) == pytest.approx(few)
+    assert log_evidence(problem, pushed, lay) == pytest.approx(smallest)
     (label,) = (f.label for name, columns in expansion.strengths.items()
                 for f, i in zip(problem.by_name[name].strengths, columns, strict=True)
                 if i == column)  # fmt: skip
     fitted = replace(pushed, model=replace(friction_fit[1], deviations={label: size}))
-    assert log_evidence(problem, fitted, lay) > few + 5.0
+    assert log_evidence(problem, fitted, lay) > smallest + 5.0
 
 
 def test_a_term_of_two_causes_may_be_as_strong_as_the_larger_share_of_them() -> None:

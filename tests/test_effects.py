@@ -338,7 +338,7 @@ def test_a_force_about_one_speed_is_largest_there_and_a_quarter_at_its_width(nam
 
 
 @pytest.mark.parametrize("place", [(0.6, 0.4), (2.1, 0.4)])
-def test_a_cable_pulls_towards_its_point_by_its_stretch(place) -> None:
+def test_a_cable_pulls_towards_its_point_in_proportion_to_its_extension(place) -> None:
     """A point in the middle of the pool, 0.5 N/m, 0.2 m slack; the robot swims along y."""
     pull = two_plate_system().effect("pull_to_pool_point").hooks["force"]
     at = {"cpsi": 0.0, "spsi": 1.0, "L_pool": 2.6, "W_pool": 1.6, "length_unit": 1.0}
@@ -361,7 +361,7 @@ def test_a_cable_to_the_start_pulls_back_and_its_torsion_turns_back() -> None:
     assert twist(7.0, 1.0, 0.01)[2] == pytest.approx(-0.06)
 
 
-def test_a_simulation_knows_where_it_began() -> None:
+def test_simulated_cables_are_relative_to_the_start_of_the_path() -> None:
     """Held back by a cable from its start, and turned back by its torsion."""
     start = (0.7, 0.4, 0.3, 0.0, 0.0, 0.0)
     common = {"setup": PAPER_SETUP, "head_length_m": 0.12, "head_angle_rad": 0.3, "flap_hz": 4.0,

@@ -695,14 +695,8 @@ def problem_with_a_discrepancy(left: float = 0.05) -> CauseSearchProblem:
                    state_variables=frozenset({"speed"}))  # fmt: skip
 
 
-def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> None:
-    """Where fits with the discrepancy end lower, the evidence is that of none, at an optimum."""
-    problem, label = problem_with_a_discrepancy(), "constant_force.F0"
-    fitted = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
-    scored = score_cause_set(problem, fitted)
-    reached = refit_with_discrepancy(problem, scored)
-    assert reached.model.deviations.keys() == {label}
-    assert reached.log_joint > scored.log_joint
+def end_fits_early(monkeypatch) -> None:
+    """Fits with a discrepancy end where they begin, and keep the noise."""
 
     def ends_early(
         problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise, **given
@@ -713,6 +707,17 @@ def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> No
 
     monkeypatch.setattr(set_score, "refit_from_fitted_values", ends_early)
     monkeypatch.setattr(set_score, "fit_own_noise", lambda problem, model, **_: model)
+
+
+def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> None:
+    """Where fits with the discrepancy end lower, the evidence is that of none, at an optimum."""
+    problem, label = problem_with_a_discrepancy(), "constant_force.F0"
+    fitted = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    scored = score_cause_set(problem, fitted)
+    reached = refit_with_discrepancy(problem, scored)
+    assert reached.model.deviations.keys() == {label}
+    assert reached.log_joint > scored.log_joint
+    end_fits_early(monkeypatch)
     found = refit_with_discrepancy(problem, scored)
     assert found.log_joint == pytest.approx(scored.log_joint)
     assert found.model.discrepancy == {label: 0.0}
@@ -755,16 +760,7 @@ def test_a_predicted_gain_of_an_offset_that_no_fit_reaches_is_not_evidence(monke
     problem = replace(problem, tolerances={label: 0.04})
     model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
     scored = score_cause_set(problem, model)
-
-    def ends_early(
-        problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise, **given
-    ) -> FittedCauseSet:
-        return fit_cause_set(
-            problem, model.causes, noise, {"c": 3.0}, iterations=0, passes=1, **given
-        )
-
-    monkeypatch.setattr(set_score, "refit_from_fitted_values", ends_early)
-    monkeypatch.setattr(set_score, "fit_own_noise", lambda problem, model, **_: model)
+    end_fits_early(monkeypatch)
     found = refit_with_discrepancy(problem, scored)
     assert found.model.discrepancy == {label: 0.0}
     assert found.log_posterior < scored.log_posterior - 1.0
@@ -790,13 +786,13 @@ def test_a_discrepancy_is_fitted_first_at_the_smallest_share(monkeypatch) -> Non
     model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
     scored, stds = score_cause_set(problem, model), []
 
-    def noted(
+    def recorded(
         problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise, **given
     ) -> FittedCauseSet:
         stds.append(given["deviations"][label])
         return refit_from_fitted_values(problem, model, noise, **given)
 
-    monkeypatch.setattr(set_score, "refit_from_fitted_values", noted)
+    monkeypatch.setattr(set_score, "refit_from_fitted_values", recorded)
     refit_with_discrepancy(problem, scored, rounds=4)
     scale = scored.layout.discrepancy["quadratic_drag"].max()
     assert stds[0] == pytest.approx(0.006 * scale)

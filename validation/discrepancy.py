@@ -124,8 +124,8 @@ def discrepancy_report(values: dict[str, list[float]]) -> str:
     rows = {c: float(np.sqrt(np.mean(v))) for c, v in values.items()}
     lines = [f"{c:28s} {k:.3f}  ({len(values[c])} forms)" for c, k in sorted(rows.items())]
     whole = np.sqrt(np.mean([k**2 for k in rows.values()]))
-    eighths = weighted_quantiles(values, QUARTER_MIDPOINTS)
+    quantiles = weighted_quantiles(values, QUARTER_MIDPOINTS)
     return "\n".join([*lines, f"root mean square of {len(rows)} causes: {whole:.3f}",
                       f"median: {np.median(list(rows.values())):.3f}",
                       "quantiles 1/8, 3/8, 5/8, 7/8 of kappa, each cause with equal weight: "
-                      + ", ".join(f"{q:.3f}" for q in eighths)])  # fmt: skip
+                      + ", ".join(f"{q:.3f}" for q in quantiles)])  # fmt: skip

@@ -235,9 +235,9 @@ def most_probable_discrepancy(
     A = (H + np.diag(precision))[np.ix_(free, free)]
     step = np.zeros(len(g))
     step[free] = np.linalg.lstsq(A, (g - precision * prior)[free], rcond=1e-10)[0]
-    places = _labels_of_discrepancy_columns(problem, expansion)
-    return {places[i]: (float(lay.at[k] + step[k]), float(given[k] ** -0.5))
-            for k, i in enumerate(lay.columns) if i in places and lay.gaussian[k]}  # fmt: skip
+    labels = _labels_of_discrepancy_columns(problem, expansion)
+    return {labels[i]: (float(lay.at[k] + step[k]), float(given[k] ** -0.5))
+            for k, i in enumerate(lay.columns) if i in labels and lay.gaussian[k]}  # fmt: skip
 
 
 def causes_with_unfitted_discrepancy(

@@ -167,8 +167,9 @@ def _forms_to_try(
 ) -> list[dict[str, float]]:
     """Forms (label -> value) from which a candidate may begin, the leading one first: the tries of
     a residual term, the named forms of a cause that its shape parameters can give. A cause whose
-    strength is 0 only within a tolerance keeps its leading form, which the tolerance is stated for;
-    so does a term whose strength is fitted as a discrepancy: another form would change its force.
+    strength is 0 only within a tolerance keeps its leading form, which the tolerance is stated for.
+    A residual term with a fitted weight in the discrepancy also keeps it: with other shape
+    parameters, the same weight would be another force.
     """
     system = problem.kernel.system
     rows = [(f.label, parameter_definition(system, f)) for f in candidate.forms]

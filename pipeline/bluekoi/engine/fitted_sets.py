@@ -11,12 +11,7 @@ from ..integrate.batch import threaded_map
 from .expansion import LikelihoodExpansion, expand_likelihood
 from .problem import CauseSearchProblem
 from .refit import FittedCauseSet, fit_cause_set, likeliest_strength_start
-from .set_score import (
-    ScoredCauseSet,
-    refit_with_discrepancy,
-    score_cause_set,
-    with_own_noise,
-)
+from .set_score import ScoredCauseSet, refit_with_discrepancy, score_cause_set, with_own_noise
 
 MAX_LOG_ODDS_TO_REFIT = 20.0
 """Sets e^20 times less probable than the best after one round of noise and parameters are not

@@ -37,12 +37,7 @@ from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
 from .refit import FittedCauseSet, refit_from_fitted_values, strength_starts
 from .residual_magnitudes import plausible_residual_magnitudes
 from .set_columns import columns_of_cause_set
-from .set_score import (
-    ScoredCauseSet,
-    refit_with_discrepancy,
-    score_cause_set,
-    with_own_noise,
-)
+from .set_score import ScoredCauseSet, refit_with_discrepancy, score_cause_set, with_own_noise
 from .subset import d_optimal_trial_subset
 
 REFITS_PER_SET = 5

@@ -22,11 +22,13 @@ from .expansion import LikelihoodExpansion
 from .problem import CauseSearchProblem
 
 PRIOR_DISCREPANCY_SHARES = (0.006, 0.02, 0.06, 0.2)
-"""Prior standard deviation of a cause's discrepancy relative to its force in each channel: values
-of equal prior probability. `python -m validation discrepancy` measures how far the forms of the
-causes differ from each other: the middles of the four quarters of that distribution are 0.6, 2.2,
-5.2 and 142 %. The last quarter holds servo lag, stall and head angle offset, whose leading formulas
-exert no force at the start values, and forms of the fin; 20 % is the value of fin and trim moment.
+"""Prior of the standard deviation of a cause's discrepancy, relative to its force in each channel:
+four values of equal probability, in place of a continuous distribution. `python -m validation
+discrepancy DIR` estimates that distribution from how far the formulas in the literature differ from
+each other. Its quantiles 1/8, 3/8 and 5/8, the middles of three of its four quarters, are 0.6, 2.2
+and 5.2 % (`harbour_dock` 9201-002, 003, 007, 010, 014 and 017). The quantile 7/8, 142 %, belongs to
+causes whose leading formulas exert no force at the start values, so that a share of it has no
+meaning, and to formulas of the fin; the largest share is that of decision 035 (docs/decisions).
 """
 MIN_DISCREPANCY_SHARE = min(PRIOR_DISCREPANCY_SHARES)
 """The share under which a discrepancy is fitted first."""

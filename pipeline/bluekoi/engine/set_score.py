@@ -82,17 +82,17 @@ def refit_with_discrepancy(
     expansion, lay = scored.expansion, scored.layout
     unfitted = causes_with_unfitted_discrepancy(problem, expansion, lay)
     shares = most_probable_discrepancy_shares(expansion, lay, at_smallest=unfitted)
-    best = most_probable_discrepancy(problem, expansion, lay, shares)
+    predicted = most_probable_discrepancy(problem, expansion, lay, shares)
     if (
-        not best
-        or not np.isfinite(list(best.values())).all()
-        or _is_prior_of_fit(scored.model, {label: std for label, (_, std) in best.items()})
+        not predicted
+        or not np.isfinite(list(predicted.values())).all()
+        or _is_prior_of_fit(scored.model, {label: std for label, (_, std) in predicted.items()})
     ):
         return scored
-    found = _fitted_under_prior(problem, scored, best, most=most)
+    found = _fitted_under_prior(problem, scored, predicted, most=most)
     if not np.isfinite(found.log_posterior):
         return scored
-    if best.keys() != scored.model.deviations.keys():  # the evidence so far was extrapolated
+    if predicted.keys() != scored.model.deviations.keys():  # the evidence so far was extrapolated
         return refit_with_discrepancy(problem, found, most=most, rounds=rounds)
     if rounds == 1 or found.log_posterior <= scored.log_posterior:
         return max(scored, found, key=lambda s: s.log_posterior)
@@ -110,17 +110,18 @@ def _is_prior_of_fit(model: FittedCauseSet, stds: Mapping[str, float]) -> bool:
 def _fitted_under_prior(
     problem: CauseSearchProblem,
     scored: ScoredCauseSet,
-    best: Mapping[str, tuple[float, float]],
+    predicted: Mapping[str, tuple[float, float]],
     *,
     most: int,
 ) -> ScoredCauseSet:
-    """A set fitted with a discrepancy; best: label -> predicted value and prior deviation. Where no
-    fit gains, the set as it was under that prior.
+    """A set fitted with a discrepancy; where no fit gains, the set as it was under that prior.
+
+    predicted: label -> value by the expansion, prior standard deviation.
     """
-    stds = {label: std for label, (_, std) in best.items()}
+    stds = {label: std for label, (_, std) in predicted.items()}
     held = {label: scored.model.discrepancy.get(label, 0.0) for label in stds}
     before = replace(scored.model, deviations=stds, discrepancy=held)
-    for start in ({label: value for label, (value, _) in best.items()}, held):
+    for start in ({label: value for label, (value, _) in predicted.items()}, held):
         model = refit_from_fitted_values(problem, scored.model, scored.model.noise, deviations=stds,
                                          discrepancy=start)  # fmt: skip
         if model.usable:

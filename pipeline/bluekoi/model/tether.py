@@ -61,10 +61,10 @@ def pull_towards(
     """Surge and sway force (N) of a cable to a point (dx, dy) away in pool coordinates (m)."""
     rounding = ROUNDING_SHARE * length_unit
     distance = math.sqrt(dx * dx + dy * dy + rounding * rounding)
-    stretch = 0.5 * (
+    extension = 0.5 * (
         distance - s + math.sqrt((distance - s) * (distance - s) + rounding * rounding)
     )
-    x, y = k * stretch * dx / distance, k * stretch * dy / distance
+    x, y = k * extension * dx / distance, k * extension * dy / distance
     return x * cpsi + y * spsi, y * cpsi - x * spsi, 0.0
 
 

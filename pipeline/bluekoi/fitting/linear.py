@@ -73,10 +73,11 @@ def linearised(
     on = active_effects(
         kernel.system, np.array([values_with_noise_switched_on(kernel, v, noise) for v in values])
     )
-    active = active_states(kernel.system, on)
-    slots = disturbance_slots(kernel)[: len(noise.disturbance)]
-    places = np.array([k for k, slot in enumerate(slots) if slot in active], dtype=np.int64)
-    random = np.array([active.tolist().index(slots[k]) for k in places], dtype=np.int64)
+    used = active_states(kernel.system, on)
+    slots = np.array(disturbance_slots(kernel)[: len(noise.disturbance)], dtype=np.int64)
+    places = np.flatnonzero(np.isin(slots, used))
+    active = np.concatenate([used[~np.isin(used, slots)], slots[places]])
+    random = np.arange(len(active) - len(places), len(active))
     tau = np.zeros(len(active))
     tau[random] = noise.tau[places]
     observed, gradients = _observations_and_slopes(

@@ -1,6 +1,9 @@
 """Kalman's recursion along a path whose matrices are known, compiled; shapes as in `linear`.
 
 Of the deviation from the path: d = A d, P = A P A' + Q, then each observation's correction.
+
+The states of the model come first, the random states last. A random state depends on itself alone,
+so that A has one nonzero element in its row; the products leave out the others.
 Arrays are filled by plain loops: an assignment to a slice takes half a second to compile.
 """
 
@@ -26,6 +29,7 @@ def fill_log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0
     `noise`.
     """
     a, q = F.shape[2], H.shape[2]
+    m = count_model_states(tau)
     d, e = np.zeros((2, a)), np.zeros(q)  # deviations from the path; the second row is workspace
     P, A, AP = np.zeros((a, a)), np.zeros((a, a)), np.zeros((a, a))
     PH, S, W = np.zeros((a, q)), np.zeros((q, q)), np.zeros((q, q))
@@ -47,9 +51,19 @@ def fill_log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0
                     variance[t],
                     memory,
                     dt,
+                    m,
                 )
             logl += kalman_update(d, P, PH, S, W, e, H[t, k], residual[t, k], noise[t, k], scales)
         out[t] = logl
+
+
+@njit_nogil_fast
+def count_model_states(tau) -> int:  # type: ignore[no-untyped-def]
+    """How many states come before the random ones."""
+    m = 0
+    while m < len(tau) and tau[m] == 0.0:
+        m += 1
+    return m
 
 
 @njit_nogil_fast
@@ -64,12 +78,15 @@ def reset_deviation_and_covariance(d, P, cov, tau, variance) -> None:  # type: i
 
 @njit_nogil_fast
 def kalman_predict(  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    d, P, A, AP, F, correction, level, tau, variance, memory, dt
+    d, P, A, AP, F, correction, level, tau, variance, memory, dt, m
 ) -> None:
-    """D = A (d - correction) + (A - F) level and P = A P A' + Q, to the next frame."""
+    """D = A (d - correction) + (A - F) level and P = A P A' + Q, to the next frame.
+
+    m: how many states come before the random ones.
+    """
     fill_transition_matrix(A, F, tau, memory, dt)
     _propagate_deviation(d, A, F, correction, level)
-    _propagate_covariance(P, A, AP, variance, memory, dt)
+    _propagate_covariance(P, A, AP, variance, memory, dt, m)
 
 
 @njit_nogil_fast
@@ -112,23 +129,35 @@ def _propagate_deviation(d, A, F, correction, level) -> None:  # type: ignore[no
 
 
 @njit_nogil_fast
-def _propagate_covariance(P, A, AP, variance, memory, dt) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def _propagate_covariance(P, A, AP, variance, memory, dt, m) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """P = A P A' + Q with Q = sigma^2 (1 - exp(-2 dt / tau)) of the random states."""
     a = len(A)
-    for i in range(a):
+    for i in range(m):
         for k in range(a):
             AP[i, k] = 0.0
         for j in range(a):
             for k in range(a):
                 AP[i, k] += A[i, j] * P[j, k]
-    for i in range(a):
+    _complete_covariance_product(P, A, AP, m)
+    for k in range(m, a):
+        P[k, k] += variance[k] * (1.0 - np.exp(-2.0 * dt / memory[k]))
+
+
+@njit_nogil_fast
+def _complete_covariance_product(P, A, AP, m) -> None:  # type: ignore[no-untyped-def]
+    """P = A P A', from P and the first m rows of A P."""
+    a = len(A)
+    for i in range(m):
         for k in range(i + 1):
             total = 0.0
             for j in range(a):
                 total += AP[i, j] * A[k, j]
             P[i, k] = P[k, i] = total
-        if variance[i] > 0.0:
-            P[i, i] += variance[i] * (1.0 - np.exp(-2.0 * dt / memory[i]))
+    for k in range(m, a):
+        for i in range(m):
+            P[i, k] = P[k, i] = AP[i, k] * A[k, k]
+        for i in range(m, a):
+            P[i, k] *= A[i, i] * A[k, k]
 
 
 @njit_nogil_fast

@@ -18,6 +18,7 @@ from __future__ import annotations
 import numpy as np
 
 from .recursion import (
+    count_model_states,
     fill_transition_matrix,
     kalman_predict,
     kalman_update,
@@ -36,12 +37,12 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
     `recursion.fill_log_likelihoods`.
     """
     n, a, q = F.shape[1], F.shape[2], H.shape[2]
+    m = count_model_states(tau)
     after, predicted = np.zeros((n, a)), np.zeros((n, a, a))
     filtered, roots, errors = np.zeros((n, a, a)), np.zeros((n, q, q)), np.zeros((n, q))
     d, P, A, AP = np.zeros((2, a)), np.zeros((a, a)), np.zeros((a, a)), np.zeros((a, a))
     PH, S, u, U = np.zeros((a, q)), np.zeros((q, q)), np.zeros((2, a)), np.zeros((a, a))
-    square, wide = np.zeros((2, q, q)), np.zeros((4, q, a))
-    tall, short = np.zeros((2, a, a)), np.zeros((3, q))
+    square, wide, short = np.zeros((2, q, q)), np.zeros((4, q, a)), np.zeros((3, q))
     for t in range(first, last):
         out[t] = 0.0
         reset_deviation_and_covariance(d, P, cov[t], tau, variance[t])
@@ -60,6 +61,7 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
                     variance[t],
                     memory,
                     dt,
+                    m,
                 )
             _copy_into(P, predicted[k])
             out[t] += kalman_update(d, P, PH, S, roots[k], errors[k], H[t, k], residual[t, k],
@@ -71,18 +73,18 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
         for k in range(counts[t] - 1, -1, -1):
             _adjoints_before_update(
                 u[0], U, H[t, k], predicted[k], roots[k], errors[k], residual[t, k], noise[t, k],
-                by_scales[t], square, wide, tall, short,
+                by_scales[t], square, wide, short,
             )  # fmt: skip
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
                 fill_transition_matrix(A, F[t, k], tau, memory, dt)
-                _multiply_into(U, A, AP)
+                _multiply_by_transition(U, A, AP, m)
                 for i in range(a):
                     d[0, i] = after[k - 1, i] - correction[t, k - 1, i] + level[t, k - 1, i]
                 _add_process_noise_score(u[0], U, AP, F[t, k], d[0], filtered[k - 1], tau,
                                          variance[t], memory, dt, by_variance[t],
-                                         by_memory[t])  # fmt: skip
-                _transpose_multiply_into(A, AP, U)
+                                         by_memory[t], m)  # fmt: skip
+                _transpose_transition_times(A, AP, U, m)
                 _apply_transpose(A, u)
         for i in range(a):
             if tau[i] > 0.0:
@@ -132,6 +134,34 @@ def _transpose_multiply_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
 
 
 @njit_nogil_fast
+def _multiply_by_transition(U, A, out, m) -> None:  # type: ignore[no-untyped-def]
+    """Out = U A, m states before the random ones."""
+    for i in range(len(A)):
+        for k in range(m):
+            out[i, k] = 0.0
+        for k in range(m, len(A)):
+            out[i, k] = U[i, k] * A[k, k]
+        for j in range(m):
+            for k in range(len(A)):
+                out[i, k] += U[i, j] * A[j, k]
+
+
+@njit_nogil_fast
+def _transpose_transition_times(A, UA, out, m) -> None:  # type: ignore[no-untyped-def]
+    """Out = A' U A, symmetric, from U A; m states before the random ones."""
+    for i in range(len(A)):
+        lead = 0.0 if i < m else A[i, i]
+        for k in range(i + 1):
+            out[i, k] = lead * UA[i, k]
+        for j in range(m):
+            for k in range(i + 1):
+                out[i, k] += A[j, i] * UA[j, k]
+    for i in range(len(A)):
+        for k in range(i):
+            out[k, i] = out[i, k]
+
+
+@njit_nogil_fast
 def _apply_transpose(A, u) -> None:  # type: ignore[no-untyped-def]
     """u[0] = A' u[0]; u[1] is workspace."""
     for k in range(len(A)):
@@ -143,17 +173,16 @@ def _apply_transpose(A, u) -> None:  # type: ignore[no-untyped-def]
 
 
 @njit_nogil_fast
-def _adjoints_before_update(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
-    u, U, H, P, W, e, residual, noise, by_scales, square, wide, tall, short
+def _adjoints_before_update(  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    u, U, H, P, W, e, residual, noise, by_scales, square, wide, short
 ):
     """Slopes before a frame's correction, from those after it; what the frame says on its noise.
 
-    The last four arguments are workspace. K' U K stands apart from the rest of what S is worth:
-    (I - H' K') U (I - K H) written out would lose all its figures.
+    The last three arguments are workspace. I - K H stays a factor, applied from the right and then
+    from the left: its product written out would lose all its figures.
     """
     V, B = square
     HP, K, KU, BH = wide  # K turned
-    M, UM = tall
     v, g, Vg = short
     _innovation_precision(V, W, residual)
     _multiply_into(H, P, HP)
@@ -167,14 +196,20 @@ def _adjoints_before_update(  # type: ignore[no-untyped-def]  # noqa: PLR0913, P
             for i in range(len(u)):
                 total += KU[o, i] * K[p, i]
             by_scales[o, p] += total * noise[o, p]
+    _subtract_transpose_product(KU, H, U)
+    _multiply_into(K, U, KU)
+    _subtract_transpose_product(H, KU, U)
     _multiply_into(B, H, BH)
-    _transpose_multiply_into(K, H, M)
-    for i in range(len(u)):
-        for k in range(len(u)):
-            M[i, k] = (1.0 if i == k else 0.0) - M[i, k]
-    _multiply_into(U, M, UM)
-    _transpose_multiply_into(M, UM, U)
     _add_observation_terms(u, U, H, BH, v, Vg)
+
+
+@njit_nogil_fast
+def _subtract_transpose_product(A, B, out) -> None:  # type: ignore[no-untyped-def]
+    """Out less A' B."""
+    for i in range(A.shape[1]):
+        for j in range(A.shape[0]):
+            for k in range(B.shape[1]):
+                out[i, k] -= A[j, i] * B[j, k]
 
 
 @njit_nogil_fast
@@ -216,27 +251,25 @@ def _add_observation_terms(u, U, H, BH, v, Vg) -> None:  # type: ignore[no-untyp
 
 
 @njit_nogil_fast
-def _add_process_noise_score(  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    u, U, UA, F, d, P, tau, variance, memory, dt, by_variance, by_memory
+def _add_process_noise_score(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
+    u, U, UA, F, d, P, tau, variance, memory, dt, by_variance, by_memory, m
 ):
     """What a step says on the variances and memories of its random states.
 
     d: deviation before it, less the correction, plus the level; P: its covariance. Of a state that
     forgets within m, now = exp(-dt / m) stays, and its column goes with m (1 - now).
     """
-    for k in range(len(u)):
-        if tau[k] > 0.0:
-            was, now = tau[k] * (1.0 - np.exp(-dt / tau[k])), np.exp(-dt / memory[k])
-            by_lead, by_now = 0.0, 0.0
-            for i in range(len(u)):
-                by_entry = u[i] * d[k]
-                for j in range(len(u)):
-                    by_entry += 2.0 * UA[i, j] * P[k, j]
-                if i == k:
-                    by_now = by_entry
-                else:
-                    by_lead += by_entry * F[i, k]
-            slope = now * dt / memory[k] ** 2  # of now, by the memory
-            by_variance[k] += U[k, k] * (1.0 - now * now)
-            by_memory[k] += by_now * slope + by_lead * (1.0 - now - memory[k] * slope) / was
-            by_memory[k] -= U[k, k] * variance[k] * 2.0 * now * slope
+    for k in range(m, len(u)):
+        was, now = tau[k] * (1.0 - np.exp(-dt / tau[k])), np.exp(-dt / memory[k])
+        by_lead, by_now = 0.0, u[k] * d[k]
+        for j in range(len(u)):
+            by_now += 2.0 * UA[k, j] * P[k, j]
+        for i in range(m):
+            by_entry = u[i] * d[k]
+            for j in range(len(u)):
+                by_entry += 2.0 * UA[i, j] * P[k, j]
+            by_lead += by_entry * F[i, k]
+        slope = now * dt / memory[k] ** 2  # of now, by the memory
+        by_variance[k] += U[k, k] * (1.0 - now * now)
+        by_memory[k] += by_now * slope + by_lead * (1.0 - now - memory[k] * slope) / was
+        by_memory[k] -= U[k, k] * variance[k] * 2.0 * now * slope

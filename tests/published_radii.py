@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from bluekoi.design_space import OperatingCondition, steady_states
-from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, TABLE_2_PCT, two_plate_system
+from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, TABLE_2_ERRORS_PCT, two_plate_system
 from bluekoi.study import StudySettings
 from paper_robot import PAPER_SETUP
 
@@ -81,7 +81,10 @@ def published_radii_and_speeds(setup: StudySettings) -> PublishedMeasurements:
     states = steady_states(every, own)
     model = states.radius_m[:9, 0].reshape(3, 3)
     off = np.array(
-        [[TABLE_2_PCT.get(turn, {}).get(p, 0.0) for turn in TURN_CONDITIONS] for p in POWERS_PCT]
+        [
+            [TABLE_2_ERRORS_PCT.get(turn, {}).get(p, 0.0) for turn in TURN_CONDITIONS]
+            for p in POWERS_PCT
+        ]
     )
     return PublishedMeasurements(model / (1 + off / 100), states.speed_m_s[9:, 0])
 

@@ -4,9 +4,9 @@ A body that accelerates in water must also accelerate the water around it. Kirch
 describe this by the added masses A11 (surge) and A22 (sway) and the added yaw inertia A66, in the
 axes of the core.
 
-With the mass m of the robot, the equations contain the cross terms (m + A22) v r in surge and -(m +
-A11) u r in sway. In yaw they contain the Munk moment -(A22 - A11) u v, which turns a long body
-across the flow.
+The equations contain the Coriolis terms (m + A22) v r in surge and -(m + A11) u r in sway, where m
+is the mass of the robot. In yaw they contain the Munk moment -(A22 - A11) u v, which turns a body
+with A22 > A11 broadside to the flow.
 
 A11 and A66 are computed from A22: A11 = c A22 and A66 = j A22 L^2/12, with the body length L. A
 slender body has c = 0.1 and j = 1. If a body sheds vortices at its tail, only the share e of the

@@ -10,8 +10,9 @@ changes with the depth, so that an additional drag D acts:
 g is the rate at which the image shrinks, V the speed and v_hat the direction of motion. The drag
 coefficient grows by c_g times the relative shrinking g s(t) of the image.
 
-s(t) describes how the depth changes with time. With w = 0 and a small b, the robot sinks steadily:
-s(t) = t. The part w grows as t^2 (accelerated sinking). b is the rate at which the depth settles.
+s(t) describes how the depth changes with time. If w = 0 and b t is much smaller than 1, the robot
+sinks at a constant rate: s(t) = t. w is the weight of a term proportional to t^2 (accelerated
+sinking). b (1/s) is the rate at which the robot approaches a constant depth.
 
 Source: own statement (the paper reports slight sinking, sec. III-A).
 """

@@ -129,14 +129,14 @@ def runaway_sentences(runs: Mapping[tuple[str, str], Sequence[FreeSimulation]]) 
     away: dict[str, list[str]] = {}
     for (name, _), rows in runs.items():
         own = away.setdefault(name, [])
-        own += [r.trial for r in rows if r.trial not in own and _has_run_away(r)]
+        own += [r.trial for r in rows if r.trial not in own and _has_diverged(r)]
     return [f"Free runs of the {name} model leave {', '.join(trials)} by more than "
             f"{RUNAWAY_OVER_OBSERVED_RANGE:g} times their range: small errors grow without limit "
             "there, or the model does not hold."
             for name, trials in away.items() if trials]  # fmt: skip
 
 
-def _has_run_away(run: FreeSimulation) -> bool:
+def _has_diverged(run: FreeSimulation) -> bool:
     known = np.isfinite(run.seen)
     error = np.where(known, np.abs(run.simulated - run.seen), 0.0)
     extent = np.nanmax(run.seen, axis=0) - np.nanmin(run.seen, axis=0)

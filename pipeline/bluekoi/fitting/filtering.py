@@ -188,7 +188,7 @@ def disturbance_slots(kernel: CompiledSystem, *, acting: bool = False) -> list[i
     """Places of the random states in the state vector; of those alone that push, where `acting`."""
     return [
         kernel.system.all_states.index(s)
-        for effect in stochastic_process_effects(kernel)
+        for effect in disturbance_effects(kernel)
         if effect.channels or not acting
         for s in effect.states
     ]
@@ -203,7 +203,7 @@ def random_state_sizes(kernel: CompiledSystem, series: Sequence[TrialSeries]) ->
     return np.where(acts, np.array([s.force_size for s in series])[:, None], 1.0)
 
 
-def stochastic_process_effects(kernel: CompiledSystem) -> list[Effect]:
+def disturbance_effects(kernel: CompiledSystem) -> list[Effect]:
     """The system's random parts, in the order of their states."""
     return [e for e in kernel.system.effects if e.kind == "disturbance"]
 

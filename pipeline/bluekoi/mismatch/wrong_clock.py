@@ -10,7 +10,7 @@ from ..fitting import TrialSeries
 from ..model import two_plate_system
 
 CLOCK_CAUSE, CLOCK_PART_NAME = "clock_error", "clock_part"
-CLOCK_DRIFT = f"{CLOCK_CAUSE}.drift"
+CLOCK_DRIFT_PARAMETER = f"{CLOCK_CAUSE}.drift"
 
 
 def with_clock_error_in_trials(
@@ -44,7 +44,7 @@ def with_constant_clock_error(
     if any("clock_ratio" in s.evidence for s in series):
         return tuple(candidates)
     return tuple(
-        replace(c, forms=tuple(f for f in c.forms if f.name != CLOCK_DRIFT))
+        replace(c, forms=tuple(f for f in c.forms if f.name != CLOCK_DRIFT_PARAMETER))
         if c.name == CLOCK_CAUSE else c
         for c in candidates
     )  # fmt: skip

@@ -10,7 +10,7 @@ from .plates import (
     trial_system,
     two_plate_system,
 )
-from .published import PUBLISHED_FLAP_HZ, PUBLISHED_UNITS_NOTE, TABLE_1, TABLE_2_PCT
+from .published import PUBLISHED_FLAP_HZ, PUBLISHED_UNITS_NOTE, TABLE_1, TABLE_2_ERRORS_PCT
 from .residual import MOTION_VARIABLES
 from .residual import channel_variable_pairs_by_term as residual_channels_and_variables
 from .residual import channels_of_residual_term as residual_channels

@@ -16,7 +16,7 @@ TABLE_1: dict[int, dict[str, float]] = {
 }
 """Table I by power, %: C_T [m2], C_D0, C_Da, C_La [1], C_Ma [m], C_Md [kg m2]."""
 
-TABLE_2_PCT: dict[tuple[int, float], dict[int, float]] = {
+TABLE_2_ERRORS_PCT: dict[tuple[int, float], dict[int, float]] = {
     (30, 1.0): {50: 2.77, 75: -2.09, 100: -1.70},
     (45, 1.5): {50: -9.96, 75: -10.48, 100: 2.47},
 }

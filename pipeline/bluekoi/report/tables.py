@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..campaign import Campaign
-from ..model import HYDRODYNAMIC_COEFFICIENTS, PUBLISHED_FLAP_HZ, TABLE_1, TABLE_2_PCT
+from ..model import HYDRODYNAMIC_COEFFICIENTS, PUBLISHED_FLAP_HZ, TABLE_1, TABLE_2_ERRORS_PCT
 from .findings import Row
 from .identifiability import as_power_product
 from .numbers import (
@@ -115,7 +115,7 @@ def _table_2_rows(power: str, entry: Mapping[str, Any], one_x: float) -> Row:
             format_number(entry["radius_m"]),
             format_number(entry.get("model_radius_m")),
             format_percent(entry.get("radius_difference_pct")),
-            format_percent(TABLE_2_PCT.get(key, {}).get(round(float(power)))),
+            format_percent(TABLE_2_ERRORS_PCT.get(key, {}).get(round(float(power)))),
         ),
         entry.get("step") == 3,
     )

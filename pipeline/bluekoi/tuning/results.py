@@ -14,7 +14,7 @@ from ..model import (
     PUBLISHED_FLAP_HZ,
     PUBLISHED_UNITS_NOTE,
     TABLE_1,
-    TABLE_2_PCT,
+    TABLE_2_ERRORS_PCT,
 )
 from ..study import Study
 from .draws import sample_parameters
@@ -148,7 +148,7 @@ def table_2(study: Study, steps: Mapping[str, Any]) -> dict[str, list[Any]]:
 
     def published(p: str, c: Mapping[str, Any]) -> float:
         key = (round(c["head_angle_deg"]), 1.0 if abs(c["head_length_m"] - one_x) < 1e-6 else 1.5)
-        return TABLE_2_PCT.get(key, {}).get(int(float(p)), np.nan)
+        return TABLE_2_ERRORS_PCT.get(key, {}).get(int(float(p)), np.nan)
 
     return {
         "power_pct": [float(p) for p, _ in rows],

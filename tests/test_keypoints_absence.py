@@ -45,3 +45,20 @@ def pictures_of_bodies(bodies: int, contrast: int = 80, half_px: tuple[int, int]
 def test_the_reason_names_size_contrast_number_or_shape(seen, px_per_bl, words):
     text = robot_not_found_reason(list(pictures_of_bodies(*seen)), make_plane(px_per_bl), 1.0)
     assert all(word in text for word in words), text
+
+
+def test_moving_light_is_not_taken_for_several_robots():
+    """Patches of all sizes, a few of them as long as the robot, in an empty pool."""
+    rng = np.random.default_rng(5)
+    pictures = []
+    for _ in range(5):
+        image = rng.normal(150, 2, (300, 400)).astype(np.float32)
+        for _ in range(40):
+            patch, axes = np.zeros_like(image), rng.uniform(2, 45, 2) / [1, 6]
+            place = rng.uniform([20, 20], [380, 280]).astype(int).tolist()
+            cv2.ellipse(patch, place, axes.astype(int).tolist(), rng.uniform(0, 180), 0, 360, 1, -1)
+            image += 30 * patch
+        pictures.append(np.clip(image, 0, 255).astype(np.uint8))
+    text = robot_not_found_reason(pictures, make_plane(60.0), 1.0)
+    assert "patches of all sizes" in text
+    assert "is the robot in the picture" in text

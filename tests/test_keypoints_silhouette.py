@@ -12,6 +12,8 @@ import pytest
 from bluekoi.data import BODY_PART_NAMES, Frame
 from bluekoi.errors import InputError
 from bluekoi.keypoints import markers, silhouette
+from bluekoi.keypoints.outline.movement import pictures_agree_with_movement
+from bluekoi.keypoints.outline.plane import swimming_plane_map
 from bluekoi.study import StudySettings, Trial
 from bluekoi.synthetic.design import picture_conditions_design
 from bluekoi.synthetic.footage import render_frames
@@ -252,6 +254,21 @@ def test_an_empty_pool_has_no_robot():
     found = silhouette.detect_keypoints(lambda: noisy, setup, trial)
     assert np.all(found.likelihood < 0.5)
     assert any("without the robot" in r or "No robot" in r for r in found.remarks)
+
+
+def test_a_template_that_slides_while_the_pictures_stay_as_they_are_is_on_no_body():
+    """As along the straight dark rim of an empty pool, in a background bridged across it."""
+    film, setup, trial, _ = rendered_trial("middle", LEFT)
+    scene, outline, _ = silhouette.learned_scene(
+        lambda: film, film, swimming_plane_map(setup), setup, trial
+    )
+    assert outline is not None
+    assert pictures_agree_with_movement(outline, scene)
+    first = outline.samples[0][0]
+    slides = replace(outline, samples=tuple((first, fit) for _, fit in outline.samples))
+    rests = replace(outline, samples=tuple((first, outline.samples[0][1]) for _ in range(3)))
+    assert not pictures_agree_with_movement(slides, scene)
+    assert pictures_agree_with_movement(rests, scene)
 
 
 def test_a_nudged_camera_is_reported_and_a_still_one_is_not():

@@ -12,6 +12,9 @@ from types import ModuleType
 
 from ..errors import did_you_mean, input_error
 
+NO_ROBOT_REMARK = "No robot was found: "
+"""Beginning of the remark on a video in which a detector found no robot; the reason follows."""
+
 
 def source_names() -> tuple[str, ...]:
     """Names of the sources: the modules of this folder."""

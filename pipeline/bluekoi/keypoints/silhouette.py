@@ -15,12 +15,14 @@ import numpy as np
 from ..data import BODY_PART_NAMES, Frame, Keypoints, SeekableFilm, is_confident
 from ..errors import input_error
 from ..study import StudySettings, Trial
+from . import NO_ROBOT_REMARK
 from .midline import detection as midline
 from .outline.absence import robot_not_found_reason
 from .outline.background import median_image, noise_level, sample_frames, without_static_robot
 from .outline.camera_motion import camera_motion_remarks
 from .outline.ghost_removal import background_without_robot
 from .outline.learning import LearnedTemplate, learn_template, relearned_template
+from .outline.movement import pictures_agree_with_movement
 from .outline.plane import SwimmingPlaneMap, in_body_lengths, swimming_plane_map
 from .outline.second_body import second_body_remark
 from .outline.template import robot_length_bl
@@ -112,7 +114,7 @@ def _no_robot_remark(
     """The remark where nothing was found."""
     images = [frame.luma for frame in samples]
     reason = robot_not_found_reason(images, plane, robot_length_bl(setup.robot, trial))
-    return f"No robot was found: {reason}"
+    return NO_ROBOT_REMARK + reason
 
 
 def _confident_frames_share(found: Keypoints) -> float:
@@ -184,7 +186,11 @@ def learned_scene(
         size = in_body_lengths(setup.robot, setup.robot.head_span_m) * plane.px_per_bl
         bridged = replace(found[-1][0], floor=without_static_robot(found[-1][0].floor, size))
         second = learn_template(samples, bridged, setup.robot, trial)
-        if _support_score(second) > MIN_SUPPORT_SCORE:
+        if (
+            second is not None
+            and second.support_score > MIN_SUPPORT_SCORE
+            and pictures_agree_with_movement(second, bridged)
+        ):
             remark = "the robot hardly left its place: its background was bridged from around it"
             return bridged, second, (*notes, remark)
         return best[0], None, notes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from ..camera.turned_picture import turned_picture_record
 from ..data import FlappingFrequency, SteadyState, Track, write_pose, write_track
 from ..errors import InputError, input_error
 from ..files import read_json
+from ..keypoints import NO_ROBOT_REMARK
 from ..keypoints.deeplabcut import read_detections
 from ..motor import flapping_record, trial_flapping
 from ..motor.swimming_plausibility import (
@@ -76,6 +78,8 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
     except InputError:
         if sign := head_angle_sign_finding(study, trial, camera, depth):
             raise InputError([sign]) from None
+        if no_robot := _no_robot_error(study, trial, detection["remarks"]):
+            raise no_robot from None
         raise
     flapping = trial_flapping(study, trial, positions)
     try:
@@ -113,6 +117,21 @@ def _recoil_hz(flapping: FlappingFrequency) -> float:
     """Flapping frequency in the video's clock, where that is another than the motor's."""
     wrong = not flapping.agrees and np.isfinite(flapping.ratio)
     return flapping.flap_hz * (flapping.ratio if wrong else 1.0)
+
+
+def _no_robot_error(study: Study, trial: Trial, remarks: Sequence[str]) -> InputError | None:
+    """Where the detector found no robot: with the reason that it gives; else None."""
+    reasons = [text.removeprefix(NO_ROBOT_REMARK) for text in remarks
+               if text.startswith(NO_ROBOT_REMARK)]  # fmt: skip
+    if not reasons:
+        return None
+    return input_error(
+        study.paths(trial)[0],
+        f"trial {trial.trial_id}",
+        f"no robot ({reasons[0]})",
+        "a video of the robot in the pool",
+        f"`bluekoi setup {study.root.name}` shows what the detector finds in each video.",
+    )
 
 
 def _smoothing_failed_error(study: Study, trial: Trial, error: Exception) -> InputError:

@@ -50,6 +50,12 @@ def _compare_extents_with_stated(seen: Sequence[npt.NDArray[np.float64]], stated
         for own in seen
     ]
     if np.median(fitting) > 1:
+        things = float(np.median([len(own) for own in seen]))
+        if things > 2 * np.median(fitting):
+            return (
+                f"{things:.0f} patches of all sizes differ from the background, as moving light "
+                "does, and no body stands out: is the robot in the picture, and does it move?"
+            )
         return (
             f"{np.median(fitting):.0f} bodies of about the stated {stated:.0f} px are in the "
             "picture: give start_x_px and start_y_px in trials.csv"

@@ -282,6 +282,21 @@ def test_a_soft_start_is_late_by_half_its_length_as_a_ramp_is() -> None:
         assert late == pytest.approx(missing)  # 0.5 s after the recording, dead for 0.2 s
 
 
+@pytest.mark.parametrize("missed_s", [0.05, 0.15])
+def test_a_video_that_starts_after_the_motor_shows_the_speed_gained_before_it(missed_s) -> None:
+    """A run without its first frames, and one from rest with a start delay of minus their time."""
+    robot = {"setup": PAPER_SETUP, "head_length_m": 0.12, "head_angle_rad": 0.0, "flap_hz": 4.0,
+             "dt_s": 0.005}  # fmt: skip
+    whole = simulate(TABLE_1[75], duration_s=4.0 + missed_s, **robot).state
+    late = simulate(TABLE_1[75], duration_s=4.0, **robot,
+                    effects={"time_offset": {"start_delay": -missed_s}}).state  # fmt: skip
+    without = simulate(TABLE_1[75], duration_s=4.0, **robot).state
+    k = round(missed_s / 0.005)
+    steady = whole[-1, 3]
+    assert late[60:, 3] == pytest.approx(whole[k + 60 :, 3], abs=0.01 * steady)
+    assert np.abs(without[60:, 3] - whole[k + 60 :, 3]).max() > 0.03 * steady
+
+
 def test_side_measurements_predicted_by_functions_have_the_slopes_of_differences() -> None:
     """A spin-up of share 0.6 and 0.3 s loses 0.18 s: slopes 0.3 and 0.6; a sag of 0.04/s halves."""
     system = two_plate_system()

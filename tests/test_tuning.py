@@ -17,7 +17,7 @@ from bluekoi.fitting import (
     TrialSeries,
     trial_normal_equations,
 )
-from bluekoi.model import TABLE_1, two_plate_system
+from bluekoi.model import TABLE_1, robot_units, two_plate_system
 from bluekoi.smoothing import smooth_pose
 from bluekoi.study import Trial
 from bluekoi.tuning import (
@@ -34,6 +34,8 @@ from bluekoi.tuning import (
     trial_kernel,
     trial_series,
 )
+from bluekoi.tuning.series import INITIAL_STATE_STD, RESTING_VELOCITY_STD
+from bluekoi.tuning.similar_robots import state_std_scaled_to_robot
 from measured_studies import MeasuredStudy, measure_design
 from paper_robot import PAPER_SETUP
 from small_studies import published_model_design
@@ -268,3 +270,9 @@ def test_the_motor_of_a_trial_that_begins_swimming_started_long_before(
     started = one.constants[two_plate_system().constants.index("t_start")]
     assert (started < -100.0) == swims
     assert one.times[0] == 0.0
+    units, expected = robot_units(PAPER_SETUP.robot), np.ones(6)
+    expected[3:] = INITIAL_STATE_STD[3:] if swims else RESTING_VELOCITY_STD
+    assert np.sqrt(np.diag(one.cov))[3:6] == pytest.approx(
+        state_std_scaled_to_robot(units, expected)[3:]
+    )
+    assert one.mean[3] == (0.0 if not swims else pytest.approx(speed_m_s, abs=0.03))

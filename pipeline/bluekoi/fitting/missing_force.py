@@ -21,7 +21,7 @@ from .series import Noise, TrialSeries
 
 IMPULSE_S = 1e-3
 """Duration over which forces are compared by the change of the velocities."""
-MAX_FRAMES_OF_RMS_FORCE = 512
+MAX_RMS_FORCE_FRAMES = 512
 """Frames, evenly spread over all trials, of which a root mean square force is taken: of independent
 normal forces its standard error is (2 * 512)^-1/2 = 3 %. It scales prior standard deviations that
 are known to a factor of three at best."""
@@ -82,16 +82,15 @@ def rms_forces_of_parameter_changes(
     kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float],
     changes: Sequence[Sequence[Float]], noise: Noise,
 ) -> Float:  # fmt: skip
-    """Root mean square (changes, channels), over `MAX_FRAMES_OF_RMS_FORCE` frames of all trials, of the
-    force by which each change of the parameters differs from `points`, along the filtered paths.
+    """Root mean square (changes, channels), over `MAX_RMS_FORCE_FRAMES` frames of all trials, of
+    the force by which each change of the parameters differs from `points`, along the filtered
+    paths.
 
     changes: full parameter vectors of every trial, for each change.
     """
     series = passes.series
     each = np.repeat(np.arange(len(passes)), [len(s.times) for s in series])
-    chosen = (
-        np.linspace(0, len(each) - 1, min(len(each), MAX_FRAMES_OF_RMS_FORCE)).round().astype(int)
-    )
+    chosen = np.linspace(0, len(each) - 1, min(len(each), MAX_RMS_FORCE_FRAMES)).round().astype(int)
     each = each[chosen]
 
     def of_frames(vectors: Sequence[Float]) -> Float:

@@ -24,6 +24,9 @@ SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angl
 LOGGED_FREQUENCY_STD_SHARE = (
     0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
 )
+START_TIME_STD_S = 1 / 60
+"""ASSUME in careful work, the first frame is that of the start of the motor to half the interval of
+frames at 30 frames/s: in each trial by chance, and in all trials together by the same error."""
 PRIOR_INCLUSION_PROBABILITIES = PriorInclusionProbabilities(
     cause=0.03, unlisted=0.10, likely={"tail_fin_lift": 0.5}
 )
@@ -90,7 +93,11 @@ def robot_problem(
             trial_effects=_trial_error_effects(baseline),
             fixed_scales=(),
         ),
-        tolerances=label_offset_stds(units) | (HOMOGRAPHY_TOLERANCES if by_homography else {}),
+        tolerances={
+            **label_offset_stds(units),
+            "time_offset.start_delay": START_TIME_STD_S,
+            **(HOMOGRAPHY_TOLERANCES if by_homography else {}),
+        },
         state_variables=MOTION_VARIABLES,
         progress=progress,
     )
@@ -143,11 +150,12 @@ def undetermined_cause_warnings(system: System, series: Sequence[TrialSeries]) -
 
 def _trial_error_effects(baseline: JointFit) -> tuple[TrialEffect, ...]:
     """Errors of the commanded head angle, of the thrust, which goes with the square of the
-    flapping frequency, and of the measured head angle, in each trial.
+    flapping frequency, of the measured head angle, and of the time of the start, in each trial.
     """
     thrust = abs(baseline.fit.by_label()["C_T"])
     return (
         TrialEffect("head_angle_offset.offset", float(SERVO_STD_RAD)),
         TrialEffect("C_T", 2.0 * LOGGED_FREQUENCY_STD_SHARE * thrust),
         TrialEffect("keypoint_bias.head_angle_offset", HEAD_ANGLE_STD_RAD),
+        TrialEffect("time_offset.start_delay", START_TIME_STD_S),
     )

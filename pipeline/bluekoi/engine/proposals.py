@@ -1,0 +1,179 @@
+"""Which sets are fitted next: what the expansion about a set says of further causes.
+
+Around a set, the second-order expansion scores every further cause; the most promising ones are
+fitted. In the place of a cause of the set come those that are most promising without it, and the
+most promising of those that its file says it is confused with: two causes with nearly the same
+effect on the motion may have expansions that differ by much, since each is expanded about its
+absence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .candidates import Candidate
+from .evidence import (
+    log_evidence_at_discrepancy_shares,
+    log_prior,
+    most_probable_discrepancy_shares,
+)
+from .expansion import LikelihoodExpansion, expand_likelihood, one_step_strength_estimates
+from .fitted_sets import FitRequest, FittedCauseSets
+from .own_noise import noise_with_small_random_forces
+from .problem import CauseSearchProblem
+from .refit import refit_from_fitted_values, strength_starts
+from .set_columns import columns_of_cause_set
+from .set_score import ScoredCauseSet
+
+REFITS_PER_SET = 5
+"""How many further listed causes are refitted around a set."""
+REPLACEMENTS_PER_SET = 2
+"""How many listed causes are refitted in the place of one of a set."""
+SMALL_FORCE_REFITS_PER_SET = 2
+"""How many are refitted that would be most probable if random forces were small."""
+MIN_REFITS_PER_SET, MIN_LOG_ODDS_TO_REFIT = 2, -6.0
+"""Limits of the computing time: so many are refitted whatever the expansion says; further ones
+where it says posterior odds of more than e^-6. Of residual terms, at most so many are refitted in
+each of these steps."""
+MAX_LOG_ODDS_TO_PROPOSE = 25.0
+"""A cause whose expansion says that it makes a set e^25 times less probable than the best proposal
+is not refitted."""
+
+
+def rank_further_causes(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, among: Sequence[Candidate]
+) -> list[tuple[float, str]]:
+    """Further causes by the expansion about a set: log posterior odds and name, the best first."""
+    causes = expansion.model.causes
+    if not expansion.usable:
+        return []
+    own = columns_of_cause_set(problem, expansion, causes)
+    shares = most_probable_discrepancy_shares(expansion, own)
+    before = log_evidence_at_discrepancy_shares(expansion, own, shares)
+    out: list[tuple[float, str]] = []
+    for candidate in among:
+        if candidate.name in causes or not expansion.strengths[candidate.name]:
+            continue
+        lay = columns_of_cause_set(problem, expansion, (*causes, candidate.name))
+        after = log_evidence_at_discrepancy_shares(expansion, lay, shares)
+        gain = after - before + log_prior(problem, [candidate.name])
+        out.append((float(gain) if np.isfinite(gain) else -np.inf, candidate.name))
+    return sorted(out, key=lambda o: -o[0])
+
+
+def allowed_candidates(problem: CauseSearchProblem, causes: Sequence[str]) -> list[Candidate]:
+    """Candidates beside a set: residual terms that are part of a cause's form are not, nor those
+    that are collinear with a listed cause.
+    """
+    sources = {s for c in causes if not problem.by_name[c].is_residual
+               for s in problem.by_name[c].sources}  # fmt: skip
+    return [c for c in problem.candidates
+            if c.name not in causes and c.name not in problem.collinear_terms
+            and not (c.is_residual and c.sources & sources)]  # fmt: skip
+
+
+def fits_of_further_causes(
+    visited: FittedCauseSets, scored: ScoredCauseSet, count: int = REFITS_PER_SET
+) -> list[FitRequest]:
+    """Fits of the most promising further causes beside a set: `count` listed ones, and residual
+    terms besides, which are many and alike and would otherwise take the places of the listed cause
+    that they resemble.
+    """
+    expansion = visited.expansion(scored)
+    found = rank_further_causes(
+        visited.problem, expansion, allowed_candidates(visited.problem, scored.causes)
+    )
+    candidates = visited.problem.by_name
+    several = [n for _, n in found if strength_starts(visited.problem, candidates[n])]
+    out = [FitRequest((name,), scored.model) for name in several if not scored.causes]
+    listed = [one for one in found if not candidates[one[1]].is_residual][:count]
+    terms = [one for one in found if candidates[one[1]].is_residual][:MIN_REFITS_PER_SET]
+    for i, (gain, name) in enumerate(sorted([*listed, *terms], key=lambda one: -one[0])):
+        if gain > found[0][0] - MAX_LOG_ODDS_TO_PROPOSE and (
+            i < MIN_REFITS_PER_SET or gain > MIN_LOG_ODDS_TO_REFIT
+        ):
+            start = _start_of_further_cause(visited.problem, expansion, name)
+            out.append(FitRequest((*scored.causes, name), scored.model, start))
+    return out
+
+
+def fits_in_place_of(
+    visited: FittedCauseSets, cause: str, less: ScoredCauseSet
+) -> list[FitRequest]:
+    """Fits of other causes in the place of one that the set `less` lacks: of the most promising
+    ones, and of the most promising one of those that it is confused with.
+    """
+    problem = visited.problem
+    fits = fits_of_further_causes(visited, less, REPLACEMENTS_PER_SET)
+    confused = _causes_confused_with(problem, cause)
+    among = [c for c in allowed_candidates(problem, less.causes) if c.name in confused]
+    expansion = visited.expansion(less)
+    for _, name in rank_further_causes(problem, expansion, among)[:1]:
+        start = _start_of_further_cause(problem, expansion, name)
+        fits.append(FitRequest((*less.causes, name), less.model, start))
+    return fits
+
+
+def _causes_confused_with(problem: CauseSearchProblem, cause: str) -> set[str]:
+    """Causes that have nearly the same effect on the motion, by the file of either."""
+    effects = {e.name: e for e in problem.kernel.system.effects}
+    own = effects[cause].confused_with if cause in effects else ()
+    return {*own, *(e.name for e in effects.values() if cause in e.confused_with)}
+
+
+def fit_causes_in_place_of_residual_terms(visited: FittedCauseSets, scored: ScoredCauseSet) -> None:
+    """Fit the causes that make a force of the kind of a set's residual terms, in place of all of
+    two terms or more, and what is promising beside each.
+
+    Two terms may describe what is one cause with another one beside it. No step that replaces one
+    term comes to that set, if the cause alone describes less than both terms. The fit with the
+    other one begins both at the cause alone, which may be bent to describe the whole, and at the
+    set without either.
+    """
+    problem = visited.problem
+    terms = [problem.by_name[c] for c in scored.causes if problem.by_name[c].is_residual]
+    rest = tuple(c for c in scored.causes if not problem.by_name[c].is_residual)
+    if len(terms) < 2:
+        return
+    less = visited.add(FitRequest(rest, scored.model, refit=True))
+    if less is None:
+        return
+    expansion = visited.expansion(less)
+    alike = [c for c in allowed_candidates(problem, rest)
+             if not c.is_residual and any(c.sources & term.sources for term in terms)]  # fmt: skip
+    best = rank_further_causes(problem, expansion, alike)[:REPLACEMENTS_PER_SET]
+    alone = visited.add_side_by_side([
+        FitRequest((*rest, name), less.model, _start_of_further_cause(problem, expansion, name))
+        for _, name in best])  # fmt: skip
+    for found in (one for one in alone if one is not None):
+        visited.add_side_by_side(fits_of_further_causes(visited, found, REPLACEMENTS_PER_SET))
+        both = [k for k in visited.sets if k > found.model.key and len(k) == len(rest) + 2]
+        visited.add_side_by_side([FitRequest(tuple(k), less.model, refit=True) for k in both])
+
+
+def fits_begun_under_small_forces(
+    visited: FittedCauseSets, scored: ScoredCauseSet
+) -> list[FitRequest]:
+    """Fits of the most promising further causes by the expansion under small random forces, begun
+    there: what the random forces of a set explain by themselves shows no gain under its own noise.
+    """
+    problem = visited.problem
+    model = refit_from_fitted_values(
+        problem, scored.model, noise_with_small_random_forces(problem, scored.model.noise)
+    )
+    if not model.usable:
+        return []
+    expansion = expand_likelihood(problem, model)
+    found = rank_further_causes(problem, expansion, allowed_candidates(problem, scored.causes))
+    return [FitRequest((*scored.causes, name), model,
+                       _start_of_further_cause(problem, expansion, name), refit=True)
+            for _, name in found[:SMALL_FORCE_REFITS_PER_SET]]  # fmt: skip
+
+
+def _start_of_further_cause(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, name: str
+) -> dict[str, float]:
+    """Where the fit of a further cause begins: at the strength and the form of the expansion."""
+    return one_step_strength_estimates(problem, expansion, name) | expansion.starts.get(name, {})

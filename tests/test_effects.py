@@ -297,6 +297,15 @@ def test_a_video_that_starts_after_the_motor_shows_the_speed_gained_before_it(mi
     assert np.abs(without[60:, 3] - whole[k + 60 :, 3]).max() > 0.03 * steady
 
 
+@pytest.mark.parametrize("delay_s", [-0.1, -1 / 60, -1e-3, 1e-3, 1 / 60, 0.05, 0.5])
+def test_a_delayed_start_takes_away_the_impulse_of_the_thrust_in_its_time(delay_s) -> None:
+    late, t = two_plate_system().effect("time_offset").hooks["thrust"], np.linspace(0, 2, 20001)
+    force = np.array([late(one, 0.0, 1.0, 1000.0, 0.008, 4.0, 0.005, delay_s)[0] for one in t])
+    full = 0.005 * 0.5 * 1000.0 * 0.008 * 4.0**2
+    error = 0.03 if abs(delay_s) < 0.03 else 0.1
+    assert np.trapezoid(force, t) == pytest.approx(-full * delay_s, rel=error)
+
+
 def test_side_measurements_predicted_by_functions_have_the_slopes_of_differences() -> None:
     """A spin-up of share 0.6 and 0.3 s loses 0.18 s: slopes 0.3 and 0.6; a sag of 0.04/s halves."""
     system = two_plate_system()

@@ -29,7 +29,7 @@ from bluekoi.engine import (
     named_causes,
     own_noise,
     posterior_over_sets,
-    search,
+    proposals,
     search_cause_sets,
     set_score,
     strength_estimates,
@@ -43,6 +43,7 @@ from bluekoi.engine.evidence import (
     most_probable_discrepancy_shares,
 )
 from bluekoi.engine.expansion import expand_likelihood_in_all_forms, one_step_strength_estimates
+from bluekoi.engine.fitted_sets import FittedCauseSets
 from bluekoi.engine.own_noise import (
     MIN_ROUND_GAIN_LOG_LIK,
     SMALL_FORCE_CORRELATION_TIME_S,
@@ -51,6 +52,10 @@ from bluekoi.engine.own_noise import (
     noise_with_small_random_forces,
 )
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
+from bluekoi.engine.proposals import (
+    fit_causes_in_place_of_residual_terms,
+    fits_in_place_of,
+)
 from bluekoi.engine.refit import refit_from_fitted_values
 from bluekoi.engine.set_columns import CauseSetColumns
 from bluekoi.engine.set_score import (
@@ -325,14 +330,14 @@ def test_a_cause_is_fitted_in_place_of_all_residual_terms_of_its_kind(
         return scored
 
     visited.add, visited.add_side_by_side = add, lambda wanted: [add(one) for one in wanted]
-    monkeypatch.setattr(search, "rank_further_causes",
+    monkeypatch.setattr(proposals, "rank_further_causes",
                         lambda _, __, among: [(1.0, c.name) for c in among])  # fmt: skip
-    monkeypatch.setattr(search, "_start_of_further_cause", lambda *_: {})
-    monkeypatch.setattr(search, "_fits_of_further_causes",
+    monkeypatch.setattr(proposals, "_start_of_further_cause", lambda *_: {})
+    monkeypatch.setattr(proposals, "fits_of_further_causes",
                         lambda _, s, __: [FitRequest((*s.causes, "sag"), s.model)])  # fmt: skip
     best = SimpleNamespace(causes=("residual.a", "residual.b", "lag"),
                            model=SimpleNamespace(key=frozenset()))  # fmt: skip
-    search._fit_causes_in_place_of_residual_terms(visited, best)
+    fit_causes_in_place_of_residual_terms(visited, best)
     assert fitted == [
         (("lag",), ""),
         (("fin", "lag"), "lag"),
@@ -340,10 +345,30 @@ def test_a_cause_is_fitted_in_place_of_all_residual_terms_of_its_kind(
         (("fin", "lag", "sag"), "lag"),
     ]
     fitted.clear()
-    search._fit_causes_in_place_of_residual_terms(
+    fit_causes_in_place_of_residual_terms(
         visited, SimpleNamespace(causes=("fin",), model=best.model)
     )
     assert fitted == []
+
+
+@pytest.mark.parametrize("listed_by", ["quadratic_drag", "constant_force"])
+def test_a_cause_is_replaced_by_one_that_it_can_be_confused_with(
+    listed_by: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whichever file lists the other one, and however little it promises; never by itself."""
+    names = ["quadratic_drag", "constant_force"]
+    (other,) = set(names) - {listed_by}
+    effects = [replace(e, confused_with=(other,)) if e.name == listed_by else e
+               for e in SYSTEM.effects]  # fmt: skip
+    plain = driven_mass_problem(driven_mass_trials(0.3, 0.0))
+    problem = replace(plain, kernel=compile_system(replace(SYSTEM, effects=tuple(effects))))
+    for count, system in ((2, plain), (0, problem)):
+        visited = FittedCauseSets(system)
+        less = score_cause_set(system, fit_without_causes(system, {}))
+        monkeypatch.setattr(proposals, "REPLACEMENTS_PER_SET", count)
+        wanted = fits_in_place_of(visited, "quadratic_drag", less)
+        assert {fit.causes for fit in wanted} == {("constant_force",)}
+    assert fits_in_place_of(FittedCauseSets(plain), "quadratic_drag", less) == []
 
 
 def test_a_search_does_not_depend_on_the_number_of_threads(monkeypatch: pytest.MonkeyPatch) -> None:

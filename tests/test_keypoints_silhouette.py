@@ -12,6 +12,7 @@ import pytest
 from bluekoi.data import BODY_PART_NAMES, Frame
 from bluekoi.errors import InputError
 from bluekoi.keypoints import markers, silhouette
+from bluekoi.keypoints.outline.ghost_removal import body_outline_px
 from bluekoi.keypoints.outline.movement import pictures_agree_with_movement
 from bluekoi.keypoints.outline.plane import swimming_plane_map
 from bluekoi.study import StudySettings, Trial
@@ -165,7 +166,7 @@ def test_a_start_where_no_robot_lies_finds_none_and_says_so():
         lambda: film, setup, trial.model_copy(update={"start_x_px": 3.0, "start_y_px": 3.0})
     )
     assert not np.isfinite(found.xy_px).any()
-    assert any("no robot was found at start_x_px 3" in text for text in found.remarks)
+    assert any("No robot was found: none at start_x_px 3" in text for text in found.remarks)
 
 
 def test_a_second_robot_in_the_picture_is_reported():
@@ -269,6 +270,27 @@ def test_a_template_that_slides_while_the_pictures_stay_as_they_are_is_on_no_bod
     rests = replace(outline, samples=tuple((first, outline.samples[0][1]) for _ in range(3)))
     assert not pictures_agree_with_movement(slides, scene)
     assert pictures_agree_with_movement(rests, scene)
+
+
+@pytest.mark.parametrize("ahead_bl", [0.05, 0.1])
+def test_a_body_that_moves_a_little_ahead_uncovers_the_floor(ahead_bl):
+    """Behind it, its tail covers the floor; ahead, the body does."""
+    film, setup, trial, _ = rendered_trial("middle", STRAIGHT, seconds=1.2)
+    scene, outline, _ = silhouette.learned_scene(
+        lambda: film, film, swimming_plane_map(setup), setup, trial
+    )
+    assert outline is not None
+    frame, fit = outline.samples[0]
+    ahead = np.array([np.cos(fit.pose[2]), np.sin(fit.pose[2]), 0.0, 0.0]) * ahead_bl
+    moved = replace(fit, pose=fit.pose + ahead)
+    contrast = scene.floor.astype(float) - outline.template.skin
+    pictures = []
+    for one in (fit, moved):
+        body = np.zeros(scene.floor.shape)
+        cv2.fillPoly(body, [body_outline_px(one, scene, outline.template)], 0.4)
+        shown = scene.floor - cv2.GaussianBlur(body, (0, 0), 1.0) * contrast
+        pictures.append((replace(frame, luma=shown.round().astype(np.uint8)), one))
+    assert pictures_agree_with_movement(replace(outline, samples=tuple(pictures)), scene)
 
 
 def test_a_nudged_camera_is_reported_and_a_still_one_is_not():

@@ -1,10 +1,9 @@
-"""Which sets are fitted next: what the expansion about a set says of further causes.
+"""Sets that are fitted next.
 
-Around a set, the second-order expansion scores every further cause; the most promising ones are
-fitted. In the place of a cause of the set come those that are most promising without it, and the
-most promising of those that its file says it is confused with: two causes with nearly the same
-effect on the motion may have expansions that differ by much, since each is expanded about its
-absence.
+Around a set, the second-order expansion scores every cause that is not in the set; the most
+promising ones are fitted. A cause of the set is replaced by those that are most promising without
+it, and by the most promising of those that it can be confused with: about strengths of 0, the
+expansion is inaccurate for a strong nonlinear cause such as a dead time.
 """
 
 from __future__ import annotations
@@ -75,15 +74,20 @@ def allowed_candidates(problem: CauseSearchProblem, causes: Sequence[str]) -> li
 
 
 def fits_of_further_causes(
-    visited: FittedCauseSets, scored: ScoredCauseSet, count: int = REFITS_PER_SET
+    visited: FittedCauseSets,
+    scored: ScoredCauseSet,
+    count: int = REFITS_PER_SET,
+    *,
+    without: str = "",
 ) -> list[FitRequest]:
-    """Fits of the most promising further causes beside a set: `count` listed ones, and residual
-    terms besides, which are many and alike and would otherwise take the places of the listed cause
-    that they resemble.
+    """Fits of the most promising further causes beside a set, `without` excepted: `count` listed
+    ones, and residual terms besides, which are many and alike and would otherwise take the places
+    of the listed cause that they resemble.
     """
     expansion = visited.expansion(scored)
+    allowed = allowed_candidates(visited.problem, scored.causes)
     found = rank_further_causes(
-        visited.problem, expansion, allowed_candidates(visited.problem, scored.causes)
+        visited.problem, expansion, [c for c in allowed if c.name != without]
     )
     candidates = visited.problem.by_name
     several = [n for _, n in found if strength_starts(visited.problem, candidates[n])]
@@ -102,11 +106,13 @@ def fits_of_further_causes(
 def fits_in_place_of(
     visited: FittedCauseSets, cause: str, less: ScoredCauseSet
 ) -> list[FitRequest]:
-    """Fits of other causes in the place of one that the set `less` lacks: of the most promising
-    ones, and of the most promising one of those that it is confused with.
+    """Fits in which another cause replaces `cause`. less: the set without it.
+
+    The replacements are the most promising causes, and the most promising of those that `cause`
+    can be confused with.
     """
     problem = visited.problem
-    fits = fits_of_further_causes(visited, less, REPLACEMENTS_PER_SET)
+    fits = fits_of_further_causes(visited, less, REPLACEMENTS_PER_SET, without=cause)
     confused = _causes_confused_with(problem, cause)
     among = [c for c in allowed_candidates(problem, less.causes) if c.name in confused]
     expansion = visited.expansion(less)

@@ -119,7 +119,7 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
         fitted = zip(best.causes, visited.add_side_by_side(lacking), strict=True)
         found = [(cause, less) for cause, less in fitted if less is not None]
         visited.add_side_by_side([one for fits in threaded_map(
-            lambda lacks: fits_in_place_of(visited, *lacks), found) for one in fits])  # fmt: skip
+            lambda pair: fits_in_place_of(visited, *pair), found) for one in fits])  # fmt: skip
         fit_causes_in_place_of_residual_terms(visited, best)
         visited.converge()
         _refit_with_shared_noise(visited)

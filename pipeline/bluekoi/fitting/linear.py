@@ -37,7 +37,8 @@ from .series import Noise, TrialSeries, padded_arrays
 
 @dataclass(frozen=True)
 class LinearisedFilter:
-    """Trials t (each `counts` of n frames), active states a, observations o, along one filter pass.
+    """Trials t (each `counts` of n frames), active states a, the random ones last, observations
+    o, along one filter pass.
 
     times (t, n); F (t, n, a, a), to a frame from the one before; H (t, n, o, a), 0 where missing;
     correction (t, n, a): filtered less predicted state; level (t, n, a): filtered random states, 0

@@ -2,8 +2,8 @@
 
 Of the deviation from the path: d = A d, P = A P A' + Q, then each observation's correction.
 
-The states of the model come first, the random states last. A random state depends on itself alone,
-so that A has one nonzero element in its row; the products leave out the others.
+The states of the motion and of the effects come first, the random states last. The row of A of a
+random state has one nonzero element, on the diagonal; products leave out the zeros.
 Arrays are filled by plain loops: an assignment to a slice takes half a second to compile.
 """
 

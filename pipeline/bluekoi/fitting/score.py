@@ -84,7 +84,7 @@ def log_likelihood_gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, 
                 _add_process_noise_score(u[0], U, AP, F[t, k], d[0], filtered[k - 1], tau,
                                          variance[t], memory, dt, by_variance[t],
                                          by_memory[t], m)  # fmt: skip
-                _transpose_transition_times(A, AP, U, m)
+                _multiply_by_transposed_transition(A, AP, U, m)
                 _apply_transpose(A, u)
         for i in range(a):
             if tau[i] > 0.0:
@@ -147,7 +147,7 @@ def _multiply_by_transition(U, A, out, m) -> None:  # type: ignore[no-untyped-de
 
 
 @njit_nogil_fast
-def _transpose_transition_times(A, UA, out, m) -> None:  # type: ignore[no-untyped-def]
+def _multiply_by_transposed_transition(A, UA, out, m) -> None:  # type: ignore[no-untyped-def]
     """Out = A' U A, symmetric, from U A; m states before the random ones."""
     for i in range(len(A)):
         lead = 0.0 if i < m else A[i, i]
@@ -178,8 +178,9 @@ def _adjoints_before_update(  # type: ignore[no-untyped-def]  # noqa: PLR0917
 ):
     """Slopes before a frame's correction, from those after it; what the frame says on its noise.
 
-    The last three arguments are workspace. I - K H stays a factor, applied from the right and then
-    from the left: its product written out would lose all its figures.
+    The last three arguments are workspace. U is multiplied by I - K H from the right, then by its
+    transpose from the left. The expanded form U - U K H - H' K' U + H' K' U K H loses its
+    significant digits by cancellation.
     """
     V, B = square
     HP, K, KU, BH = wide  # K turned

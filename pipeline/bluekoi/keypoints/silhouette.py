@@ -113,7 +113,12 @@ def _no_robot_remark(
 ) -> str:
     """The remark where nothing was found."""
     images = [frame.luma for frame in samples]
-    reason = robot_not_found_reason(images, plane, robot_length_bl(setup.robot, trial))
+    reason = robot_not_found_reason(
+        images,
+        plane,
+        robot_length_bl(setup.robot, trial),
+        bending=setup.detection.body == "bending",
+    )
     return NO_ROBOT_REMARK + reason
 
 
@@ -225,8 +230,8 @@ def _no_robot_at_start_remark(fits: Sequence[OutlineFit | None], trial: Trial) -
     if trial.start_px is None or any(fits):
         return ()
     u, v = trial.start_px
-    text = f"no robot was found at start_x_px {u:g}, start_y_px {v:g} in the first frames"
-    return (text,)
+    text = f"none at start_x_px {u:g}, start_y_px {v:g} in the first frames"
+    return (NO_ROBOT_REMARK + text,)
 
 
 def _missing_frames_remark(

@@ -2,8 +2,11 @@
 
 The thrust begins, at its full value, d seconds after the start of the motor in the motor log.
 Without a log, it begins d seconds after the start of the video. A negative d is a video (or log)
-that starts after the motor: in the first frame, the robot has the speed that it has gained in the
-time -d. This speed is given to it by a pulse of thrust with the impulse C_T 1/2 rho A f^2 (-d).
+that starts after the motor: in the first frame, the robot already has a speed. A pulse of thrust in
+the first 0.1 s (for the published robot) gives it this speed. The impulse of the pulse is
+C_T 1/2 rho A f^2 (-d); the drag during the time -d is neglected. A small positive d takes the same
+pulse away, so that the force is smooth at d = 0.
+
 Only trials that begin at rest show d. If the robot swims in the first frame, d has no effect: the
 thrust of the model is a mean over the tail beat, and the initial position and velocity of the trial
 are free parameters.
@@ -42,8 +45,10 @@ def thrust(
     d: float,
 ) -> tuple[float]:  # fmt: skip
     """Thrust that is not there yet, or pulse that stands for earlier thrust (N); 0 where d is 0."""
-    since, switched = t - t_start, 0.1 * time_unit
-    late = smooth_step(since / switched + 0.5) - smooth_step((since - max(d, 0.0)) / switched + 0.5)
-    pulse = smooth_step(since / switched) - smooth_step(since / switched - 1.0)
-    early = min(d, 0.0) * pulse / switched
-    return (-C_T * 0.5 * rho * A * f * f * (late + early),)
+    switched = 0.1 * time_unit
+    since, delay = (t - t_start) / switched, d / switched
+    begun = min(max(since, 0.0), 1.0)
+    pulse = delay * 6.0 * begun * (1.0 - begun)
+    absent = smooth_step(since + 0.5) - smooth_step(since - max(delay, 0.0) + 0.5)
+    long = smooth_step(delay)
+    return (-C_T * 0.5 * rho * A * f * f * ((1.0 - long) * pulse + long * absent),)

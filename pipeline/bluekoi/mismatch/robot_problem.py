@@ -25,8 +25,9 @@ LOGGED_FREQUENCY_STD_SHARE = (
     0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
 )
 START_TIME_STD_S = 1 / 60
-"""ASSUME in careful work, the first frame is that of the start of the motor to half the interval of
-frames at 30 frames/s: in each trial by chance, and in all trials together by the same error."""
+"""ASSUME standard deviation of the time between first frame and start of the motor in careful work:
+half a frame interval at 30 frames/s. It holds for the error common to all trials and for the
+independent error of each trial."""
 PRIOR_INCLUSION_PROBABILITIES = PriorInclusionProbabilities(
     cause=0.03, unlisted=0.10, likely={"tail_fin_lift": 0.5}
 )

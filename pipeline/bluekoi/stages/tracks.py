@@ -128,9 +128,9 @@ def _no_robot_error(study: Study, trial: Trial, remarks: Sequence[str]) -> Input
     return input_error(
         study.paths(trial)[0],
         f"trial {trial.trial_id}",
-        f"no robot ({reasons[0]})",
-        "a video of the robot in the pool",
-        f"`bluekoi setup {study.root.name}` shows what the detector finds in each video.",
+        f"no robot by the detector ({reasons[0]})",
+        "a robot that the detector finds",
+        f"`bluekoi setup {study.root}` shows the detection in twenty frames of each video.",
     )
 
 

@@ -29,8 +29,9 @@ NOISE_REFERENCE_FLAP_HZ = 3.5
 INITIAL_STATE_STD = np.array([0.1, 0.1, 0.05, 0.05, 0.05, 0.3])  # m, m, rad, m/s, m/s, rad/s
 """For the published robot; of the place as much as the centre of mass may be off the keypoint."""
 RESTING_VELOCITY_STD = np.array([0.01, 0.01, 0.06])  # m/s, m/s, rad/s
-"""ASSUME a robot at rest in the first frame moves by less than this: what is left of an earlier
-motion of robot and water. For the published robot. Docs/decisions/068 compares other values."""
+"""ASSUME standard deviations of the velocities of a robot at rest in the first frame: residual
+motion of robot and water, for the published robot. Of 0.005, 0.01 and 0.02 m/s, this value has the
+largest minimum of the gains in log likelihood of eight studies (docs/decisions/068)."""
 MIN_SWIMMING_START_SHARE = 0.3
 """Speed in the first frame, over that of the second half, above which a trial begins swimming. Of
 1600 simulated trials from rest, one has more than 0.12 (0.17); the true speeds of 405 simulated
@@ -63,6 +64,9 @@ def trial_series(
     what was commanded, from the start of the motor on. angle_before_rad: head angle commanded in
     the trial before.
 
+    The initial state is that of the track, known to `INITIAL_STATE_STD`; at rest, its velocities
+    are 0, known to `RESTING_VELOCITY_STD`.
+
     The head angle of a trial counts as one observation of `HEAD_ANGLE_STD_RAD`, spread over its
     frames, since its error is the same in every frame (`downsampled_with_head_angle_changes`).
     """
@@ -85,7 +89,7 @@ def trial_series(
     noise[unusable] = np.eye(4)
     start, swims = _initial_state_from_track(times, track), _swims_in_first_frame(track)
     start_std = INITIAL_STATE_STD.copy()
-    if not swims:
+    if not swims and started >= 0.0:
         start[3:], start_std[3:] = 0.0, RESTING_VELOCITY_STD
     start_std = state_std_scaled_to_robot(robot_units(setup.robot), start_std)
     others = len(two_plate_system().all_states) - len(start_std)

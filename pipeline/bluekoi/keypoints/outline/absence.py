@@ -18,11 +18,12 @@ EXTENT_RATIO_RANGE = (0.6, 1.7)
 
 
 def robot_not_found_reason(
-    images: Sequence[LumaPicture], plane: SwimmingPlaneMap, length_bl: float
+    images: Sequence[LumaPicture], plane: SwimmingPlaneMap, length_bl: float, *, bending: bool
 ) -> str:
     """The likely reason with its numbers, and a remedy.
 
-    length_bl: nose to caudal base, body lengths.
+    length_bl: nose to caudal base, body lengths. bending: a bending body was looked for, not a
+    rigid one.
     """
     stated = length_bl * plane.px_per_bl
     if stated < MIN_ROBOT_LENGTH_PX:
@@ -40,10 +41,12 @@ def robot_not_found_reason(
             f"{level:.0f} are needed: the robot must move between the frames and be darker or "
             "brighter than the floor"
         )
-    return _compare_extents_with_stated([extents for _, extents in seen], stated)
+    return _compare_extents_with_stated([extents for _, extents in seen], stated, bending=bending)
 
 
-def _compare_extents_with_stated(seen: Sequence[npt.NDArray[np.float64]], stated: float) -> str:
+def _compare_extents_with_stated(
+    seen: Sequence[npt.NDArray[np.float64]], stated: float, *, bending: bool
+) -> str:
     """What the extents [px] of the things in each picture say against the stated length."""
     fitting = [
         int(np.sum((own > EXTENT_RATIO_RANGE[0] * stated) & (own < EXTENT_RATIO_RANGE[1] * stated)))
@@ -51,14 +54,21 @@ def _compare_extents_with_stated(seen: Sequence[npt.NDArray[np.float64]], stated
     ]
     if np.median(fitting) > 1:
         things = float(np.median([len(own) for own in seen]))
-        if things > 2 * np.median(fitting):
+        if things > np.median(fitting):
             return (
-                f"{things:.0f} patches of all sizes differ from the background, as moving light "
-                "does, and no body stands out: is the robot in the picture, and does it move?"
+                f"{things:.0f} things differ from the background, {np.median(fitting):.0f} of them "
+                f"about as long as the robot ({stated:.0f} px): if one of them is the robot, give "
+                "start_x_px and start_y_px in trials.csv; if they are moving light or reflections, "
+                "is the robot in the picture?"
             )
         return (
             f"{np.median(fitting):.0f} bodies of about the stated {stated:.0f} px are in the "
             "picture: give start_x_px and start_y_px in trials.csv"
+        )
+    if max(fitting) == 1 and bending:
+        return (
+            f"a thing of about the stated {stated:.0f} px is there, but its midline could not be "
+            "followed: check body_length_m and the contrast to the floor"
         )
     if max(fitting) == 1:
         return (

@@ -31,17 +31,12 @@ def robot_mask(
     one: OutlineFit, scene: DetectionScene, template: OutlineTemplate
 ) -> tuple[Region, LumaPicture]:
     """Where in the picture the robot, its tail's reach and a margin lie, and their mask there."""
-    x, y, heading, bend = one.pose
+    x, y, heading, _ = one.pose
     turn = np.exp(1j * heading)
-    outline = template.outline(bend)
-    body = (outline[:, 0] + 1j * outline[:, 1]) * turn + x + 1j * y
     base = x + 1j * y - template.core_bl * turn
     swing = np.exp(1j * np.linspace(-1.1, 1.1, 9))
     tail = np.concatenate([[base], base - TAIL_MASK_LENGTH_RATIO * template.tail_bl * turn * swing])
-    shapes = [
-        scene.plane.pixels(np.column_stack([shape.real, shape.imag])).round().astype(np.int32)
-        for shape in (body, tail)
-    ]
+    shapes = [body_outline_px(one, scene, template), _nearest_pixels(scene, tail)]
     margin = round(ROBOT_MARGIN_BL * scene.plane.px_per_bl)
     height, width = scene.floor.shape
     low = np.concatenate(shapes).min(axis=0) - margin
@@ -54,6 +49,24 @@ def robot_mask(
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1, 2 * margin + 1))
         mask = cv2.dilate(mask, disc)
     return (slice(int(low[1]), int(high[1])), slice(int(low[0]), int(high[0]))), mask
+
+
+def body_outline_px(
+    one: OutlineFit, scene: DetectionScene, template: OutlineTemplate
+) -> npt.NDArray[np.int32]:
+    """Outline (n, 2) of head and core in the picture, px."""
+    x, y, heading, bend = one.pose
+    outline = template.outline(bend)
+    body = (outline[:, 0] + 1j * outline[:, 1]) * np.exp(1j * heading) + x + 1j * y
+    return _nearest_pixels(scene, body)
+
+
+def _nearest_pixels(
+    scene: DetectionScene, points_bl: npt.NDArray[np.complex128]
+) -> npt.NDArray[np.int32]:
+    """Pixels (n, 2) of points x + i y in the plane."""
+    px = scene.plane.pixels(np.column_stack([points_bl.real, points_bl.imag]))
+    return px.round().astype(np.int32)
 
 
 def background_without_robot(outline: LearnedTemplate, scene: DetectionScene) -> LumaPicture | None:

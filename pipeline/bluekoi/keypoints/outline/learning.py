@@ -151,7 +151,7 @@ def _refine_template(
             )
             for f, one in fits
         ]
-        kept = _fits_with_near_best_support(fits)
+        kept = fits_with_near_best_support(fits)
         seen = measure_stations(kept, scene, template, int(reach[-1]))
         blur_bl = picture_blur_px(kept, scene, template, seen[0]) / scene.plane.px_per_bl
         template = with_learned_outline(template, *seen, blur_bl=blur_bl)
@@ -162,13 +162,13 @@ def _refine_template(
     ]
     pairs = tuple((frame, one) for (frame, _), one in zip(fits, last, strict=True))
     offsets, _ = measure_stations(
-        _fits_with_near_best_support(pairs), scene, template, int(search_ranges_px(scene, 0.024)[0])
+        fits_with_near_best_support(pairs), scene, template, int(search_ranges_px(scene, 0.024)[0])
     )
     template = without_biased_stations(template, offsets * scene.plane.px_per_bl)
     return LearnedTemplate(template, pairs, float(np.median([one.support[2] for one in last])))
 
 
-def _fits_with_near_best_support(
+def fits_with_near_best_support(
     fits: Sequence[tuple[Frame, OutlineFit]],
 ) -> list[tuple[Frame, OutlineFit]]:
     """Fits not much worse than the best: a hand's blob must not enter the robot's shape."""

@@ -1,8 +1,8 @@
-"""Whether what was found in a bridged background can be a body: a straight rim of the pool is not.
+"""Check of a robot found in a background that was interpolated across its place.
 
-Where a robot hardly leaves its place, its background is bridged from around it, and with it
-whatever else is long and dark. Along a rim the template slides, while the pictures stay as they
-are. A robot stays at its place, or the floor is uncovered where it leaves.
+The interpolation also removes other long dark things, such as the rim of the pool, and the template
+then fits the rim, at any place along it. If the template lies at different places in two pictures,
+a real body changes the pictures there; a rim does not.
 """
 
 from __future__ import annotations
@@ -14,27 +14,31 @@ import numpy as np
 import numpy.typing as npt
 
 from .blob_detection import LEVEL_NOISE_STDS, MIN_LEVEL_GREY_LEVELS
-from .ghost_removal import ROBOT_MARGIN_BL
-from .learning import LearnedTemplate
+from .ghost_removal import ROBOT_MARGIN_BL, body_outline_px
+from .learning import LearnedTemplate, fits_with_near_best_support
 from .template import OutlineTemplate
 from .tracking import DetectionScene, OutlineFit
 
 
 def pictures_agree_with_movement(outline: LearnedTemplate, scene: DetectionScene) -> bool:
-    """Whether a body that lies at two places in the pictures that the outline was learned from
-    uncovers the floor: where it lies in one picture and not in the other, they differ by what a
-    body must differ from its background.
+    """Whether two pictures differ by what a body must differ from its background, where the body
+    lies in only one of them. True where it stays at its place.
+
+    Of the well-fitted pictures that the outline was learned from, the two with the largest distance
+    of the fits are compared.
     """
-    pairs = list(combinations(outline.samples, 2))
+    pairs = list(combinations(fits_with_near_best_support(outline.samples), 2))
     if not pairs:
         return True
     (first, one), (second, other) = max(pairs, key=lambda p: _distance_bl(p[0][1], p[1][1]))
     if _distance_bl(one, other) < ROBOT_MARGIN_BL:
         return True
     masks = [_body_mask(fit, scene, outline.template) for fit in (one, other)]
-    change = cv2.absdiff(first.luma, second.luma)[masks[0] & ~masks[1]]
+    change = cv2.absdiff(first.luma, second.luma)
+    uncovered = [change[a & ~b] for a, b in (masks, masks[::-1])]
     level = max(MIN_LEVEL_GREY_LEVELS, LEVEL_NOISE_STDS * scene.noise)
-    return float(np.median(change)) > level
+    seen = [float(np.median(part)) for part in uncovered if len(part)]
+    return not seen or max(seen) > level
 
 
 def _distance_bl(one: OutlineFit, other: OutlineFit) -> float:
@@ -44,10 +48,7 @@ def _distance_bl(one: OutlineFit, other: OutlineFit) -> float:
 def _body_mask(
     one: OutlineFit, scene: DetectionScene, template: OutlineTemplate
 ) -> npt.NDArray[np.bool_]:
-    """Where head and core lie in the picture."""
-    x, y, heading, bend = one.pose
-    c, s = np.cos(heading), np.sin(heading)
-    body = template.outline(bend) @ np.array([[c, s], [-s, c]]) + [x, y]
+    """Where head and core lie in the picture (height, width)."""
     mask = np.zeros(scene.floor.shape, np.uint8)
-    cv2.fillPoly(mask, [scene.plane.pixels(body).round().astype(np.int32)], 1)
+    cv2.fillPoly(mask, [body_outline_px(one, scene, template)], 1)
     return mask > 0

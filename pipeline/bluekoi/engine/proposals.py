@@ -80,9 +80,9 @@ def fits_of_further_causes(
     *,
     without: str = "",
 ) -> list[FitRequest]:
-    """Fits of the most promising further causes beside a set, `without` excepted: `count` listed
-    ones, and residual terms besides, which are many and alike and would otherwise take the places
-    of the listed cause that they resemble.
+    """Fits of a set with one more cause, of the most promising ones: `count` listed causes, and
+    residual terms besides, which are many and alike and would otherwise take the places of the
+    listed cause that they resemble. without: a cause that is not proposed.
     """
     expansion = visited.expansion(scored)
     allowed = allowed_candidates(visited.problem, scored.causes)

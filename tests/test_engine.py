@@ -72,6 +72,7 @@ from bluekoi.fitting.predictions import difference_step
 from bluekoi.fitting.trial_effects import marginal_products
 from bluekoi.integrate import Effect, Parameter, Stage, System, compile_system
 from validation.noise_starts import gain_table, gains_of_sets
+from validation.proposal_ranks import proposed_causes_of, rank_summary
 from validation.search_limits import round_gains
 
 
@@ -369,6 +370,14 @@ def test_a_cause_is_replaced_by_one_that_it_can_be_confused_with(
         wanted = fits_in_place_of(visited, "quadratic_drag", less)
         assert {fit.causes for fit in wanted} == {("constant_force",)}
     assert fits_in_place_of(FittedCauseSets(plain), "quadratic_drag", less) == []
+
+
+def test_the_ranks_of_the_causes_found_are_those_of_the_expansion_without_them() -> None:
+    found = proposed_causes_of(search_cause_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1))))
+    assert {one.name for one in found} == {"quadratic_drag", "constant_force"}
+    assert all(one.rank == 1 and one.below_first == 0.0 for one in found)
+    assert all(one.log_odds > 0.0 and one.fitted_log_odds > 0.0 for one in found)
+    assert "2 causes of the most probable sets: ranks 2 within 1" in rank_summary(found)
 
 
 def test_a_search_does_not_depend_on_the_number_of_threads(monkeypatch: pytest.MonkeyPatch) -> None:

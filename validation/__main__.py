@@ -122,12 +122,9 @@ def limits(folder: Path, only: str) -> None:
     from .search_limits import limit_effects, limit_line, limit_summary  # noqa: PLC0415  compiles the model
 
     found = []
-    for name in study_runs.measured_names(folder):
-        if only in name:
-            found.append(limit_effects(folder / "studies" / name, folder / "tracks" / name))
-            click.echo(limit_line(found[-1]))
-    if not found:
-        raise click.ClickException(f"{folder}: no measured study whose name contains '{only}'.")
+    for name in _measured_names(folder, only):
+        found.append(limit_effects(folder / "studies" / name, folder / "tracks" / name))
+        click.echo(limit_line(found[-1]))
     click.echo(limit_summary(found))
 
 
@@ -138,14 +135,50 @@ def noise_starts(folder: Path, only: str) -> None:
     """Measure what other starts of the noise estimate gain in the studies of FOLDER."""
     from .noise_starts import gain_table, other_start_gains  # noqa: PLC0415  compiles the model
 
-    names = [name for name in study_runs.measured_names(folder) if only in name]
-    if not names:
-        raise click.ClickException(f"{folder}: no measured study whose name contains '{only}'.")
     found = []
-    for name in names:
+    for name in _measured_names(folder, only):
         found += other_start_gains(folder / "studies" / name, folder / "tracks" / name)
         click.echo(name)
     click.echo(gain_table(found))
+
+
+@main.command("first-frame")
+@FOLDER_ARGUMENT
+@click.option("--only", default="", help="Only studies whose name contains this.")
+def first_frame(folder: Path, only: str) -> None:
+    """Measure which accuracy of the start of a trial the measured studies of FOLDER support."""
+    from .first_frame import first_frame_gains, gain_table  # noqa: PLC0415  compiles the model
+
+    found = []
+    for name in _measured_names(folder, only):
+        found.append(first_frame_gains(folder / "studies" / name, folder / "tracks" / name))
+        click.echo(name)
+    click.echo(gain_table(found))
+
+
+@main.command()
+@FOLDER_ARGUMENT
+@click.option("--only", default="", help="Only studies whose name contains this.")
+def proposals(folder: Path, only: str) -> None:
+    """Measure the ranks of the causes that the search has found in the studies of FOLDER."""
+    from .proposal_ranks import proposed_causes, rank_summary  # noqa: PLC0415  compiles the model
+
+    found = []
+    for name in _measured_names(folder, only):
+        own = proposed_causes(folder / "studies" / name, folder / "tracks" / name)
+        click.echo(f"{name}: " + ", ".join(f"{one.name} {one.rank}" for one in own))
+        found += own
+    if not found:
+        raise click.ClickException(f"{folder}: no cause in the most probable sets.")
+    click.echo(rank_summary(found))
+
+
+def _measured_names(folder: Path, only: str) -> list[str]:
+    """Names of the measured studies that contain `only`; an error where there is none."""
+    names = [name for name in study_runs.measured_names(folder) if only in name]
+    if not names:
+        raise click.ClickException(f"{folder}: no measured study whose name contains '{only}'.")
+    return names
 
 
 @main.command("calibration-slope")

@@ -30,8 +30,9 @@ INITIAL_STATE_STD = np.array([0.1, 0.1, 0.05, 0.05, 0.05, 0.3])  # m, m, rad, m/
 """For the published robot; of the place as much as the centre of mass may be off the keypoint."""
 RESTING_VELOCITY_STD = np.array([0.01, 0.01, 0.06])  # m/s, m/s, rad/s
 """ASSUME standard deviations of the velocities of a robot at rest in the first frame: residual
-motion of robot and water, for the published robot. Of 0.005, 0.01 and 0.02 m/s, this value has the
-largest minimum of the gains in log likelihood of eight studies (docs/decisions/068)."""
+motion of robot and water, for the published robot. In ten studies of `tidal_lock` 9402, the log
+likelihood without causes changes by 10, 10, -21 and -61 in the median with 1/4, 1/2, 2 and 5 times
+these values (`python -m validation first-frame`; at worst by -16, -12, -39 and -100)."""
 MIN_SWIMMING_START_SHARE = 0.3
 """Speed in the first frame, over that of the second half, above which a trial begins swimming. Of
 1600 simulated trials from rest, one has more than 0.12 (0.17); the true speeds of 405 simulated

@@ -137,7 +137,7 @@ def fit_hypothesis(
     normal = design.T @ (design * weight[:, None]) + prior
     rhs = design.T @ (weight * distances.excess_m)
     values = np.asarray(np.linalg.solve(normal, rhs), dtype=np.float64)
-    cov, trials = _cluster_covariance(design, values, distances, normal)
+    cov, trials = _covariance_and_trial_count(design, values, distances, normal)
     k = len(values)
     wald = float(values @ np.linalg.solve(cov, values)) / k
     return HypothesisFit(
@@ -151,10 +151,12 @@ def fit_hypothesis(
     )
 
 
-def _cluster_covariance(
+def _covariance_and_trial_count(
     design: Float, values: Float, distances: RigidDistances, normal: Float
 ) -> tuple[Float, int]:
-    """Covariance of the values, the larger of independent frames and trials as clusters."""
+    """Covariance of the fitted values, and the number of trials. Each standard deviation is the
+    larger of two: that of independent frames, and the robust one with trials as clusters.
+    """
     bread = np.linalg.inv(normal)
     weighted = (distances.excess_m - design @ values) / distances.std_m**2
     labels = np.unique(distances.trial)

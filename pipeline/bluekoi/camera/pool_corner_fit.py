@@ -36,8 +36,9 @@ MAX_CORNER_STD_SHARE_OF_POOL_DIAGONAL = 0.001
 """Corners less certain than this share of the diagonal are not confirmed."""
 MIN_CROSSING_SINE = 0.2
 """Sine of the angle between two edges, below which their crossing is no corner."""
-RIM_SPACING_TOLERANCE_SHARE = 0.3
-"""Rims on all edges belong together where their distances differ by less than this share."""
+MAX_RIM_SPACING_SPREAD_SHARE = 0.3
+"""Second lines beside all four edges are one rim where the largest difference of their distances is
+a smaller share of the mean."""
 RECTANGLE_MISFIT_STD, MAX_RECTANGLE_MISFIT_LOSS = 0.005, 30.0
 """Skew of a rectangle that the errors of a calibrated lens leave, and the most that it counts."""
 ASSUMED_LENS_STD_PX = 0.4
@@ -275,7 +276,7 @@ def _find_second_rim(
     spacing = [abs(line.middle_px) for line in best]
     return (
         best
-        if np.ptp(spacing) < max(2.0, RIM_SPACING_TOLERANCE_SHARE * float(np.mean(spacing)))
+        if np.ptp(spacing) < max(2.0, MAX_RIM_SPACING_SPREAD_SHARE * float(np.mean(spacing)))
         else None
     )
 

@@ -8,17 +8,18 @@ At the time t since the start of the trial, the head angle is
 
 - phi on the right-hand side: the commanded angle;
 - phi_0: the angle commanded in the trial before, in the order of `trials.csv`; 0 in the first
-  trial, and in every simulated one;
-- s: where the head comes from. With s = 0, the trial begins with a straight head, with s = 1 at the
-  angle of the trial before;
-- k: share of this change of the angle that is missing at the start;
+  trial, and in trials that `bluekoi simulate` computes;
+- s: determines the angle s phi_0 from which the servo turns the head: 0 with s = 0, the angle of
+  the trial before with s = 1;
+- k: share of the change phi - s phi_0 that is still missing at the start. With k = 1, the trial
+  begins at the angle s phi_0, with k = 0 at the commanded angle;
 - t_d: dead time, after which the servo begins to move. The formulas hold from then on;
 - T: time constant. With q = 0, it is tau for all changes. With q = 1, it is proportional to the
   change, as for a servo with a limited rate;
 - n: exponent. n = 1 and q = 0 is a first-order lag. A servo with a limited rate has a larger n;
-- S: oscillation. With w = 0, S = 1 and the head does not oscillate. With w = 1 (and n = 1, q = 0),
-  the head oscillates about its angle, as in a lag of second order with the damping ratio
-  (1 + b^2)^(-1/2).
+- S: factor that describes an oscillation, b its phase (rad) in a time constant. With w = 0, S = 1
+  and the head does not oscillate. With w = 1 (and n = 1, q = 0), the head oscillates about its
+  angle, as in a lag of second order with the damping ratio (1 + b^2)^(-1/2).
 
 While the servo moves, the core turns by the share c of the change of the head angle: psi' = r + c
 phi', with the heading psi of the core and the yaw rate r. The head turns by the share 1 - c in the

@@ -36,8 +36,9 @@ p is the share of the sideways flow in the dynamic pressure. p = 0 gives the for
 small angles. p > 0 describes a fin with cross-flow drag, or with a dynamic pressure to which the
 sideways flow contributes. p < 0 describes a fin that stalls gradually.
 
-g determines dX, the force of the fin along the body. g > 0 is induced drag. g < 0 is leading-edge
-suction. With g = -1 and w small compared with u, the force of the fin is normal to the flow.
+g determines dX, the force of the fin along the body. With g = 0, the force is normal to the fin.
+With g > 0, the fin has an additional drag along the body. With g < 0, it has a forward force
+(leading-edge suction). With g = -1 and w small compared with u, the force is normal to the flow.
 
 Source: Newman, Marine Hydrodynamics (1977), sec. 5.15 (lifting bodies of small aspect ratio);
 Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low aspect ratio); R. T.

@@ -10,8 +10,9 @@ import numpy as np
 
 MAX_FREQUENCY_SPREAD_SHARE = 0.2
 """Frequencies at one power differ by less: an emptying battery loses some 15 % of its voltage."""
-MAX_UNLOGGED_FREQUENCY_ERROR_SHARE = 0.1
-"""A trial without a log beats as the logs of its power say to this share."""
+MAX_DEVIATION_FROM_LOGGED_FREQUENCY_SHARE = 0.1
+"""Largest relative deviation of the flapping frequency of a trial without motor log from the median
+of the logged trials at the same power."""
 CHECK_POWER_REMEDY = (
     "Check power_pct and fps, and whether the motor logs are those of these trials."
 )
@@ -64,7 +65,7 @@ def _unlogged_beat_warnings(
         logs = [value for name, value in hz.items() if name in logged]
         for name in sorted(hz.keys() - logged if logs else ()):
             ratio = hz[name] / float(np.median(logs))
-            if abs(ratio - 1) > MAX_UNLOGGED_FREQUENCY_ERROR_SHARE:
+            if abs(ratio - 1) > MAX_DEVIATION_FROM_LOGGED_FREQUENCY_SHARE:
                 out[name] = (
                     f"Trial {name}, without a motor log, flaps {ratio:.2f} times as fast as the "
                     f"logs of other trials at {power:g} % power. Check fps and power_pct of this "

@@ -210,7 +210,7 @@ def _adjoints_backward(F, H, xp, Pp, Sis, ys, used):  # type: ignore[no-untyped-
                 for m in range(d):
                     C[i, m] = (1.0 if i == m else 0.0) - C[i, m]
             g, G = C.T @ g, C.T @ (G @ C)
-            _add_measurement_to_adjoints(HS @ ys[k], HS @ H[k], g, G)
+            _add_measurement_to_smoother_adjoints(HS @ ys[k], HS @ H[k], g, G)
         _smoothed_from_adjoints(Pp[k] @ g, Pp[k] @ (G @ Pp[k]), xp[k], Pp[k], xs[k], Ps[k])
         if k:
             g = F[k].T @ g
@@ -219,7 +219,7 @@ def _adjoints_backward(F, H, xp, Pp, Sis, ys, used):  # type: ignore[no-untyped-
 
 
 @njit(cache=True, error_model="numpy")
-def _add_measurement_to_adjoints(Hy, HH, g, G):  # type: ignore[no-untyped-def]
+def _add_measurement_to_smoother_adjoints(Hy, HH, g, G):  # type: ignore[no-untyped-def]
     """What one measurement adds to the adjoints: -H' S^-1 y to g, H' S^-1 H to G."""
     for i in range(len(g)):
         g[i] -= Hy[i]

@@ -6,9 +6,9 @@ import numpy as np
 
 from bluekoi.synthetic.body import DrawnShape, circle_outline
 
-BAR_HEIGHT_M = 0.30
-HAND_HEIGHT_M = 0.06
-SECOND_BODY_HEIGHT_M = -0.02
+BAR_HEIGHT_ABOVE_WATER_M = 0.30
+HAND_HEIGHT_ABOVE_WATER_M = 0.06
+SECOND_BODY_HEIGHT_ABOVE_WATER_M = -0.02
 HAND_RGB = (214.0, 168.0, 142.0)
 SLEEVE_RGB = (62.0, 70.0, 92.0)
 SECOND_HAND_ENTRY_S = (1.4, 2.6)

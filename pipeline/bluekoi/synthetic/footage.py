@@ -59,12 +59,12 @@ def distractors_at(
     pool = trial.tank.pool_m
     bodies = []
     if state.occluder:
-        bodies.append((distractors.crossbar(pool), distractors.BAR_HEIGHT_M))
+        bodies.append((distractors.crossbar(pool), distractors.BAR_HEIGHT_ABOVE_WATER_M))
     if state.hand:
         bodies.append(
             (
                 distractors.hand_parts_at_time(time_s, _release_time_s(trial), pool),
-                distractors.HAND_HEIGHT_M,
+                distractors.HAND_HEIGHT_ABOVE_WATER_M,
             )
         )
     return [(parts, height) for parts, height in bodies if parts]
@@ -78,7 +78,7 @@ def render_frame(
     planes = add_light(stage, offset + number)
     if state.second_body:
         other = distractors.second_body(now, trial.tank.pool_m)
-        draw_body(planes, stage, [other], height_m=distractors.SECOND_BODY_HEIGHT_M)
+        draw_body(planes, stage, [other], height_m=distractors.SECOND_BODY_HEIGHT_ABOVE_WATER_M)
     within = (np.arange(state.sub_frames) + 0.5) / state.sub_frames - 0.5
     draw_robot(
         planes,

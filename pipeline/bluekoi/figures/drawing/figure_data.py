@@ -146,10 +146,10 @@ def _bar_points(axes: Axes, bars: BarContainer) -> ArtistPoints:
         rows.append(
             (size, names.get(at, str(at))) if horizontal else (names.get(at, str(at)), size)
         )
-    return "bar", str(bars.get_label()), "", _bar_colour(bars.patches[0]), rows
+    return "bar", str(bars.get_label()), "", _hex_colour_of_drawn_bar(bars.patches[0]), rows
 
 
-def _bar_colour(bar: Rectangle) -> str:
+def _hex_colour_of_drawn_bar(bar: Rectangle) -> str:
     """Colour of a bar; of a hollow one, that of its edge."""
     face = _hex_colour(bar.get_facecolor())
     return _hex_colour(bar.get_edgecolor()) if face == "#ffffff" else face

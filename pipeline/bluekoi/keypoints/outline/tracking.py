@@ -22,7 +22,7 @@ from .variance import FrameQuadraticForms, covariance_kernels, frame_quadratic_f
 
 PRIOR_PRECISION = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
 MIN_TRACKING_SUPPORT_SHARE = 0.55
-MAX_HEAD_ANGLE_CHANGE_RAD = 0.7
+MAX_HEAD_ANGLE_DEVIATION_RAD = 0.7
 STATISTICS_EVERY_FRAMES = 2
 NO_TAIL = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
 LOST_AFTER_FRAMES = 8
@@ -160,7 +160,7 @@ def is_good_fit(one: OutlineFit, scene: DetectionScene) -> bool:
     return (
         one.support[2] > MIN_TRACKING_SUPPORT_SHARE
         and min(one.support[:2]) > 0.35
-        and bend < MAX_HEAD_ANGLE_CHANGE_RAD
+        and bend < MAX_HEAD_ANGLE_DEVIATION_RAD
     )
 
 

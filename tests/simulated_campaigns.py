@@ -99,7 +99,7 @@ def _simulated_paths(
     values = np.stack([np.repeat(system.values(p.values, random)[:, None], LANES, axis=1)
                        for p in wanted])  # fmt: skip
     servo = errors.servo * rng.standard_normal((count, LANES))
-    values[:, system.slot["head_angle_offset.offset"]] = servo
+    values[:, system.slot["servo_error.angle"]] = servo
     fixed = np.stack(
         [
             np.repeat(

@@ -97,7 +97,7 @@ def test_a_head_angle_error_of_a_trial_hides_its_mean_and_not_its_changes(
     free = [FreeParameter("keypoint_bias.head_angle_offset"),
             FreeParameter("servo_lag.missing_share")]  # fmt: skip
     noise = Noise(np.zeros(6), np.ones(6), np.ones(4))
-    own = TrialEffect("keypoint_bias.head_angle_offset", HEAD_ANGLE_STD_RAD)
+    own = TrialEffect("head_angle_error.angle", HEAD_ANGLE_STD_RAD)
 
     def information(trials: Sequence[TrialSeries], noise: Noise) -> np.ndarray:
         at = np.array([0.0, 1e-6])

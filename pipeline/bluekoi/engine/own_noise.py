@@ -6,9 +6,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ..data import Float
-from ..fitting import Noise, estimate_noise_model, filter_all
+from ..fitting import Noise, TrialEffect, estimate_noise_model, filter_all
 from ..fitting.filtering import disturbance_slots
-from ..fitting.trial_effects import parameter_vectors_with_trial_effects
+from ..fitting.trial_effects import (
+    most_probable_trial_effect_stds,
+    parameter_vectors_with_trial_effects,
+)
 from ..integrate.batch import threaded_map
 from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
 from .refit import (
@@ -102,19 +105,37 @@ def _update_noise_and_fit(
                                  line_searches=False, max_trials=MAX_SEARCH_TRIALS,
                                  passes=model.passes if at_fit else None)  # fmt: skip
     whole = at_fit and len(found.passes) == len(problem.series)
-    again = refit_from_fitted_values(problem, model, found.noise,
+    noise = replace(found.noise, trial_effects=_most_probable_trial_effects(problem, model))
+    again = refit_from_fitted_values(problem, model, noise,
                                      predictor=found.passes if whole else None)  # fmt: skip
     return max(model, again, key=lambda m: m.log_joint)
+
+
+def _most_probable_trial_effects(
+    problem: CauseSearchProblem, model: FittedCauseSet
+) -> tuple[TrialEffect, ...]:
+    """Trial effects with their most probable standard deviations at a set's numbers."""
+    effects = model.effects(problem)
+    if effects is None:
+        return model.noise.trial_effects
+    return most_probable_trial_effect_stds(problem.kernel, model.passes,
+                                           _trial_vectors(problem, model),
+                                           noise=model.noise, effects=effects)  # fmt: skip
+
+
+def _trial_vectors(problem: CauseSearchProblem, model: FittedCauseSet) -> list[Float]:
+    """Full parameter vectors of the trials at a set's numbers, without trial effects."""
+    base = start_values(problem, model.causes, model.fit.by_label(), model.discrepancy)
+    return replace(problem, base=base).points(model.fit.free, model.fit.values)
 
 
 def _trial_vectors_with_trial_effects(
     problem: CauseSearchProblem, model: FittedCauseSet
 ) -> list[Float]:
-    """Full parameter vectors of the trials at a set's numbers, with the most probable trial
-    effects: an error that is constant in a trial is not to be counted as a random force as well.
+    """As `_trial_vectors`, with the most probable trial effects: an error that is constant in a
+    trial is not to be counted as a random force as well.
     """
-    base = start_values(problem, model.causes, model.fit.by_label(), model.discrepancy)
-    points = replace(problem, base=base).points(model.fit.free, model.fit.values)
+    points = _trial_vectors(problem, model)
     effects = model.effects(problem)
     if effects is None:
         return points

@@ -59,11 +59,13 @@ class TrialSeries:
 class TrialEffect:
     """A parameter that differs from trial to trial, normally distributed about its common value.
 
-    std: standard deviation in the parameter's unit, whatever its common value is.
+    std: standard deviation in the parameter's unit, whatever its common value is. expected_std:
+    where std is estimated, the median of its lognormal prior; 0 where std is known.
     """
 
     parameter: str
     std: float
+    expected_std: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,17 @@ from importlib import import_module
 from .. import effects, measurement, observation
 from ..data import Float
 from ..integrate import Effect, Parameter, Stage, System, effect_from_module
-from ..observation import tracking_error
-from . import disturbance, equations, near_speed, periodic, random_current, residual, tether
+from ..observation import head_angle_error, tracking_error
+from . import (
+    disturbance,
+    equations,
+    near_speed,
+    periodic,
+    random_current,
+    residual,
+    servo_error,
+    tether,
+)
 from .similarity import (
     PUBLISHED_MASS_KG,
     PUBLISHED_ROBOT,
@@ -74,8 +83,11 @@ def effect_names(package: object = effects) -> tuple[str, ...]:
 
 @lru_cache(maxsize=1)
 def all_effects() -> tuple[Effect, ...]:
-    """Random processes, residual terms, physical effects, measurement causes."""
-    modules = [disturbance, tracking_error, random_current, residual] + [
+    """Random processes, errors of single trials, residual terms, physical effects, measurement
+    causes.
+    """
+    trial_errors = [servo_error, head_angle_error]
+    modules = [disturbance, tracking_error, random_current, *trial_errors, residual] + [
         import_module(f"{package.__name__}.{name}")
         for package in (effects, measurement)
         for name in effect_names(package)

@@ -37,7 +37,7 @@ from .similar_robots import (
     trial_kernel,
 )
 
-HEAD_ANGLE_ERROR_PARAMETER = "head_angle_offset.offset"
+HEAD_ANGLE_ERROR_PARAMETER = "servo_error.angle"
 """The parameter that a servo's error in one trial changes."""
 UNDETERMINED_ABOVE = 0.3
 """A parameter is not determined where its standard deviation exceeds this share of its size."""
@@ -164,10 +164,8 @@ def head_angle_error_information(
     noise: Noise,
 ) -> TrialRandomEffect | None:
     """What an error of each trial's head angle does to the normal equations of a fit, which does
-    not have it; None where the fit has one for all trials already, or ran away.
+    not have it; None where the fit ran away.
     """
-    if any(f.name == HEAD_ANGLE_ERROR_PARAMETER for f in found.free):
-        return None
     free = (*found.free, FreeParameter(HEAD_ANGLE_ERROR_PARAMETER))
     at = np.append(found.values, base[kernel.system.slot[HEAD_ANGLE_ERROR_PARAMETER]])
     normal = trial_normal_equations(kernel, series, base, free, at, noise=noise)

@@ -34,7 +34,7 @@ from bluekoi.fitting import (
 from bluekoi.integrate import LANES, compile_system
 from bluekoi.model import two_plate_system
 from bluekoi.tuning import downsampled, fit_all_trials
-from bluekoi.tuning.joint_fit import head_angle_error_information
+from bluekoi.tuning.joint_fit import servo_error_information
 from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
 
 NAMES = tuple(COEFFICIENTS)
@@ -53,7 +53,7 @@ def fit_batch(job: tuple[int, int, int]) -> list[tuple[np.ndarray, ...]]:
         few = downsampled(series)
         tuned = fit_all_trials(few)
         fit = tuned.fit
-        own = head_angle_error_information(
+        own = servo_error_information(
             compile_system(two_plate_system()), few, fit, tuned.base, noise=tuned.noise
         )
         out.append((fit.values, fit.normal.hessian, fit.normal.gradient,

@@ -16,6 +16,7 @@ from bluekoi.fitting.normal import trial_normal_equations
 from bluekoi.fitting.trial_effects import most_probable_trial_effect_stds
 from bluekoi.integrate import compile_system
 from bluekoi.mismatch.robot_problem import SERVO_STD_RAD, robot_problem
+from bluekoi.mismatch.trial_scatter import QUANTITIES, scatter_json, scatter_warnings
 from bluekoi.model import two_plate_system
 from bluekoi.tuning import (
     HEAD_ANGLE_STD_RAD,
@@ -71,12 +72,12 @@ def test_the_form_of_an_absent_cause_does_not_change_the_likelihood(
 
 
 def test_the_scatter_between_trials_is_estimated(problem: CauseSearchProblem) -> None:
-    """The 95 % interval of a standard deviation from 18 values is 0.75 to 1.5 times its estimate.
+    """To 0.7 to 1.5 times its value, as from 18 exact values (95 % interval).
 
     The detector has no error in these trials; each of its means is accurate to 0.001 rad or so.
     """
     found = _stds(fit_without_causes(problem, {}).noise)
-    assert found["servo_error.angle"] == pytest.approx(SCATTER_RAD, rel=0.4)
+    assert 0.7 * SCATTER_RAD < found["servo_error.angle"] < 1.5 * SCATTER_RAD
     assert found["head_angle_error.angle"] < 0.5 * HEAD_ANGLE_STD_RAD
 
 
@@ -99,3 +100,32 @@ def test_without_information_the_scatter_is_the_expected_one_and_a_known_one_sta
     stds = _stds(replace(noise, trial_effects=found))
     assert stds["servo_error.angle"] == float(SERVO_STD_RAD)
     assert stds["head_angle_offset.gain_share"] == pytest.approx(0.3, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("parameter", "expected", "words"),
+    [
+        ("servo_error.angle", np.radians(0.3), "true head angle differs between trials by 1.2 deg"),
+        ("C_T", 0.006 * 0.02, "flapping frequency differs between trials by 1.2 %"),
+        ("head_angle_error.angle", np.radians(0.3), "measured head angle differs between trials"),
+        ("time_offset.start_delay", 1 / 60, "starting time differs between trials by 0.067 s"),
+    ],
+)
+def test_a_wide_scatter_is_reported_with_a_remedy(
+    parameter: str, expected: float, words: str
+) -> None:
+    still = Noise(np.zeros(1), np.ones(1), np.ones(1))
+
+    def warnings(factor: float) -> list[str]:
+        own = TrialEffect(parameter, factor * expected, expected_std=expected)
+        return scatter_warnings(replace(still, trial_effects=(own,)), 0.02)
+
+    assert warnings(2.9) == []
+    (sentence,) = warnings(4.0)
+    assert words in sentence
+    assert sentence.endswith(".")
+
+
+def test_every_error_of_a_trial_has_words(problem: CauseSearchProblem) -> None:
+    assert {e.parameter for e in problem.noise.trial_effects} == set(QUANTITIES)
+    assert set(scatter_json(problem.noise)) == set(QUANTITIES)

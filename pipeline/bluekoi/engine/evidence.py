@@ -16,8 +16,7 @@ At a fit, g_P is 0 in the fitted numbers.
 The strengths of each cause have a Cauchy prior (Jeffreys 1961, sec. 5.2) as wide as its plausible
 magnitude, which its file states: an effect far smaller than plausible costs what its precision
 costs, log(magnitude / standard error). Where one sign alone is possible, the half of it, and the
-posterior's share on that side. Of a cause of several strengths, some or all act
-(`strength_subsets`).
+posterior's share on that side.
 
 A number held at a bound that the gradient pushes against has no standard error; the likelihood
 falls inside the bound, the faster the more it pushes, and the integral of this takes its place
@@ -27,7 +26,6 @@ falls inside the bound, the faster the more it pushes, and the integral of this 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from scipy.special import erfcx, gammaln, log_ndtr, logsumexp
@@ -42,7 +40,6 @@ from .set_columns import (
     discrepancy_share_combinations,
     precisions_at_discrepancy_shares,
 )
-from .strength_subsets import log_mean_over_strength_subsets
 
 DIAGONAL_RIDGE = 1e-10
 """Added to the information, scaled to a diagonal of ones: a normal prior of 1e5 conditional
@@ -59,27 +56,17 @@ defined, and so low that no such set is named."""
 def log_evidence(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns
 ) -> float:
-    """Log m(S) of a set, averaged over the shares of the discrepancies of its causes and over the
-    strengths that act.
+    """Log m(S) of a set, averaged over the shares of the discrepancies of its causes.
 
     Evidence at other shares than those of the fit is extrapolated, and is not counted above that at
     the shares of the fit (docs/decisions/066).
     """
     combinations = discrepancy_share_combinations(lay)
     given = precisions_at_discrepancy_shares(lay, combinations)
-    fitted = _fitted_precision(problem, expansion, lay)
-    values = _log_evidences(expansion, lay, np.vstack([given, fitted]))
-    mean = float(logsumexp(np.minimum(values[:-1], values[-1])) - np.log(len(combinations)))
-    return mean + _log_mean_over_strength_subsets(expansion, lay, fitted)
-
-
-def _log_mean_over_strength_subsets(
-    expansion: LikelihoodExpansion, lay: CauseSetColumns, given: Float
-) -> float:
-    """As `log_mean_over_strength_subsets`, with prior precisions (p,) in place of the layout's."""
-    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
-    g = expansion.gradient.sum(axis=0)[lay.columns]
-    return log_mean_over_strength_subsets(H, g, replace(lay, precision=given), laplace_log_evidence)
+    values = _log_evidences(
+        expansion, lay, np.vstack([given, _fitted_precision(problem, expansion, lay)])
+    )
+    return float(logsumexp(np.minimum(values[:-1], values[-1])) - np.log(len(combinations)))
 
 
 def _fitted_precision(
@@ -101,9 +88,7 @@ def log_evidence_at_discrepancy_shares(
     expansion: LikelihoodExpansion, lay: CauseSetColumns, shares: Mapping[str, float]
 ) -> float:
     """Log m(S) of a set with given shares of the discrepancies of its causes."""
-    given = precisions_at_discrepancy_shares(lay, [shares])
-    value = float(_log_evidences(expansion, lay, given)[0])
-    return value + _log_mean_over_strength_subsets(expansion, lay, given[0])
+    return float(_log_evidences(expansion, lay, precisions_at_discrepancy_shares(lay, [shares]))[0])
 
 
 def most_probable_discrepancy_shares(

@@ -49,8 +49,7 @@ class CauseSetColumns:
     has one sign. at (p,): strengths and discrepancy at the expansion, 0 elsewhere. held (p,):
     columns at a bound that the gradient pushes against. sizes: cause -> plausible magnitudes.
     discrepancy: cause -> prior deviations (p,) of its discrepancy where that is as strong as the
-    cause, 0 elsewhere. tolerance (p,): standard deviation to which careful work makes a strength 0,
-    0 where there is none.
+    cause, 0 elsewhere.
     """
 
     columns: np.ndarray
@@ -64,7 +63,6 @@ class CauseSetColumns:
     held: np.ndarray
     sizes: dict[str, Float]
     discrepancy: dict[str, Float] = field(default_factory=dict)
-    tolerance: Float = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True)
@@ -76,7 +74,6 @@ class _CauseSetColumn:
     gaussian: bool
     at: float = 0.0
     included: bool = False
-    tolerance: float = 0.0
 
 
 def columns_of_cause_set(
@@ -110,7 +107,6 @@ def columns_of_cause_set(
         sizes={c: plausible_strengths(problem, c)[: len(blocks[c])] for c in causes},
         discrepancy={c: np.array([own.get(k.index, 0.0) for k in columns])
                      for c, own in relative.items() if own},
-        tolerance=np.array([c.tolerance for c in columns]),
     )  # fmt: skip
 
 
@@ -148,9 +144,7 @@ def _fitted_columns(
     own = [f for f in candidate.strengths if f.label in place]
     sizes = plausible_strengths(problem, candidate.name)[: len(own)]
     values = [float(model.fit.values[place[f.label]]) for f in own]
-    known = problem.tolerances
-    strengths = [_CauseSetColumn(place[f.label], size**-2.0, gaussian=False, at=value,
-                                 tolerance=known.get(f.name, 0.0))
+    strengths = [_CauseSetColumn(place[f.label], size**-2.0, gaussian=False, at=value)
                  for f, size, value in zip(own, sizes, values, strict=True)]  # fmt: skip
     free = [f for f in candidate.forms if f.label in place]
     forms = [_CauseSetColumn(place[f.label], float(precision), True,
@@ -169,10 +163,9 @@ def _columns_of_unexpanded_cause(
     sizes = plausible_strengths(problem, candidate.name)
     known = expansion.model.discrepancy
     strengths = [
-        _CauseSetColumn(i, float(size**-2.0), gaussian=False, at=known.get(f.label, 0.0),
-                        tolerance=problem.tolerances.get(f.name, 0.0))
+        _CauseSetColumn(i, float(size**-2.0), gaussian=False, at=known.get(f.label, 0.0))
         for f, i, size in zip(candidate.strengths, columns, sizes, strict=True)
-    ]  # fmt: skip
+    ]
     forms = expansion.forms[candidate.name]
     if not forms:
         return strengths, []

@@ -67,6 +67,10 @@ class TrialEffect:
     std: float
     expected_std: float = 0.0
 
+    def __post_init__(self) -> None:
+        if self.expected_std > 0 and self.std <= 0:
+            raise ValueError(f"{self.parameter}: an estimated standard deviation must be positive")
+
 
 @dataclass(frozen=True)
 class Noise:

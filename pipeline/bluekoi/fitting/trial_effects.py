@@ -19,11 +19,11 @@ from .filtering import FilterResults
 from .predictions import ParameterChange, difference_step, slots_by_name, whitened_products
 from .series import FreeParameter, Noise, TrialEffect
 
-STD_UNCERTAINTY_FACTOR = 3.0
+STD_PRIOR_GEOMETRIC_STD = 3.0
 """ASSUME geometric standard deviation of the prior of an effect's standard deviation: two thirds of
 the laboratories are within a factor of 3 of the expected one."""
-MAX_STD_FACTOR = 30.0
-"""Standard deviations are estimated within this factor of the expected ones, three geometric
+MAX_STD_FACTOR = STD_PRIOR_GEOMETRIC_STD**3
+"""Standard deviations are estimated within this factor of the expected ones: three geometric
 standard deviations of the prior."""
 NEWTON_STEPS = 2
 """Newton steps to the most probable effects: they are small, and the predictions nearly linear."""
@@ -49,11 +49,12 @@ def marginal_products_at_effects(
     changes: Sequence[ParameterChange], *, noise: Noise, effects: Float | None = None,
 ) -> tuple[Float, Float, MostProbableTrialEffects]:  # fmt: skip
     """Marginal products and constants, as `marginal_products`, at full parameter vectors, one a
-    trial, linearised about `effects` (t, q) or, without, the most probable ones there.
+    trial, linearised about `effects` (t, q) or, without, the most probable ones there. The
+    constants include the log prior of estimated standard deviations, shared evenly by the trials.
     """
     stds = _effect_stds(points, noise)
     if effects is None:
-        effects = _most_probable_effects(kernel, passes, points, noise)
+        effects = most_probable_trial_effects(kernel, passes, points, noise)
     more = [*changes, *trial_effect_changes(kernel, points, noise)]
     at = parameter_vectors_with_trial_effects(kernel, points, effects, noise)
     products = whitened_products(kernel, passes, at, more, noise)
@@ -72,7 +73,8 @@ def most_probable_trial_effect_stds(
     estimated, at full parameter vectors, one a trial; effects (t, q): as in
     `marginal_products_at_effects`.
 
-    Posterior mode in the logarithms (variance components: Laird and Ware 1982).
+    Posterior mode in the logarithms: marginal likelihood of the variance components (Laird and Ware
+    1982) with lognormal priors.
     """
     own = noise.trial_effects
     estimated = [k for k, effect in enumerate(own) if effect.expected_std > 0]
@@ -107,11 +109,11 @@ def _log_prior_of_std(effect: TrialEffect) -> float:
     """Log density of the logarithm of an estimated standard deviation, less its constant."""
     if effect.expected_std <= 0:
         return 0.0
-    off = np.log(effect.std / effect.expected_std) / np.log(STD_UNCERTAINTY_FACTOR)
+    off = np.log(effect.std / effect.expected_std) / np.log(STD_PRIOR_GEOMETRIC_STD)
     return float(-0.5 * off**2)
 
 
-def _most_probable_effects(
+def most_probable_trial_effects(
     kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float], noise: Noise
 ) -> Float:
     """Most probable trial effects (t, q), by Newton steps from 0."""

@@ -86,6 +86,9 @@ class Stage:
 class Effect:
     """One physical or measuring statement that may be absent or present.
 
+    kind: physics, measurement, residual (a force without a name), disturbance (a random process) or
+    trial error (constant in a trial, different in each).
+
     It is absent when its strengths, the first `strengths` parameters, are 0; the others give it its
     form. hooks: stage name -> function whose outputs are added there. states: names of states of
     its own, all starting at 0, with `rates` giving their derivatives. evidence: names of quantities

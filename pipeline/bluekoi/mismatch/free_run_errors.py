@@ -24,7 +24,11 @@ from ..fitting import (
     free_runs,
     parametric_bootstrap,
 )
-from ..fitting.trial_effects import parameter_vectors_with_trial_effects, sample_trial_effects
+from ..fitting.trial_effects import (
+    most_probable_trial_effects,
+    parameter_vectors_with_trial_effects,
+    sample_trial_effects,
+)
 from ..integrate import CompiledSystem
 from ..integrate.batch import threaded_map
 from ..model import robot_units_of_trial
@@ -91,8 +95,11 @@ def _bootstrap_path_errors_m(
     runs = free_runs(kernel, segments, values)
     starts = np.array([np.where(np.isfinite(run.start), run.start, one.mean)
                        for one, run in zip(segments, runs, strict=True)])  # fmt: skip
+    passes = filter_all(kernel, segments, values, tuned.noise)
+    own = most_probable_trial_effects(kernel, passes, values, tuned.noise)
+    near = parameter_vectors_with_trial_effects(kernel, values, own, tuned.noise)
     noises = threaded_map(lambda job: segment_noise(kernel, job[0], job[1], tuned.noise),
-                  list(zip(segments, values, strict=True)))  # fmt: skip
+                  list(zip(segments, near, strict=True)))  # fmt: skip
     names, known = [one.name for one in segments], tuned.fit.normal.effects.values
 
     def draw() -> list[TrialSeries]:
@@ -190,7 +197,8 @@ def precisely_seen_frames(segments: Sequence[TrialSeries]) -> list[np.ndarray]:
 
 def segment_noise(kernel: CompiledSystem, one: TrialSeries, values: Float, noise: Noise) -> Noise:
     """The noise with its random forces, one by one, as strong as makes this segment most likely:
-    water is calmer in one trial than in the next.
+    water is calmer in one trial than in the next. values: with the trial effects of the segment,
+    which are not to be counted as forces as well.
     """
     acting = set(disturbance_slots(kernel, acting=True))
     slots = disturbance_slots(kernel)[: len(noise.disturbance)]

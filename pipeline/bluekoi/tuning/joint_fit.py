@@ -37,7 +37,7 @@ from .similar_robots import (
     trial_kernel,
 )
 
-HEAD_ANGLE_ERROR_PARAMETER = "servo_error.angle"
+SERVO_ERROR_PARAMETER = "servo_error.angle"
 """The parameter that a servo's error in one trial changes."""
 UNDETERMINED_ABOVE = 0.3
 """A parameter is not determined where its standard deviation exceeds this share of its size."""
@@ -126,7 +126,7 @@ def fit_all_trials(
         points = [trial_parameter_vector(kernel, base, free, found.values, s.group) for s in series]
         noise = estimate_noise_model(kernel, series, points, begin, rounds=5).noise
         found = fit_parameters_jointly(kernel, series, base, free, noise, start=found.by_label())
-    own = head_angle_error_information(kernel, series, found, base, noise=noise)
+    own = servo_error_information(kernel, series, found, base, noise=noise)
     spread = cluster_covariance(found.normal, off_bounds(found), own, min_share=min_share)
     return JointFit(found, noise, spread.cov, base, spread.df, spread.influence)
 
@@ -155,7 +155,7 @@ def _first_fit(
     raise FloatingPointError("the model runs away from these trials, whatever its coefficients")
 
 
-def head_angle_error_information(
+def servo_error_information(
     kernel: CompiledSystem,
     series: Sequence[TrialSeries],
     found: ParameterFit,
@@ -163,11 +163,11 @@ def head_angle_error_information(
     *,
     noise: Noise,
 ) -> TrialRandomEffect | None:
-    """What an error of each trial's head angle does to the normal equations of a fit, which does
+    """What an error of the servo in each trial does to the normal equations of a fit, which does
     not have it; None where the fit ran away.
     """
-    free = (*found.free, FreeParameter(HEAD_ANGLE_ERROR_PARAMETER))
-    at = np.append(found.values, base[kernel.system.slot[HEAD_ANGLE_ERROR_PARAMETER]])
+    free = (*found.free, FreeParameter(SERVO_ERROR_PARAMETER))
+    at = np.append(found.values, base[kernel.system.slot[SERVO_ERROR_PARAMETER]])
     normal = trial_normal_equations(kernel, series, base, free, at, noise=noise)
     if not normal.usable:
         return None

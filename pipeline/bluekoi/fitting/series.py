@@ -60,7 +60,7 @@ class TrialEffect:
     """A parameter that differs from trial to trial, normally distributed about its common value.
 
     std: standard deviation in the parameter's unit, whatever its common value is. expected_std:
-    where std is estimated, the median of its lognormal prior; 0 where std is known.
+    where std is estimated, that of careful work, its least value; 0 where std is known.
     """
 
     parameter: str

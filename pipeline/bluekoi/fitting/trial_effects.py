@@ -20,11 +20,13 @@ from .predictions import ParameterChange, difference_step, slots_by_name, whiten
 from .series import FreeParameter, Noise, TrialEffect
 
 STD_PRIOR_GEOMETRIC_STD = 3.0
-"""ASSUME geometric standard deviation of the prior of an effect's standard deviation: two thirds of
-the laboratories are within a factor of 3 of the expected one."""
+"""ASSUME geometric standard deviation of the prior of an effect's standard deviation, above the
+expected one: careful work is the least error that is assumed, and two thirds of the laboratories
+are within a factor of 3 of it."""
 MAX_STD_FACTOR = STD_PRIOR_GEOMETRIC_STD**3
-"""Standard deviations are estimated within this factor of the expected ones: three geometric
-standard deviations of the prior."""
+"""Standard deviations are estimated between the expected ones and this factor of them, three
+geometric standard deviations of the prior. They are not estimated to be smaller: an error that is
+alike in all trials is no scatter, but no trial is more accurate for it."""
 NEWTON_STEPS = 2
 """Newton steps to the most probable effects: they are small, and the predictions nearly linear."""
 
@@ -101,7 +103,7 @@ def most_probable_trial_effect_stds(
 
     start = np.array([np.log(own[k].std / own[k].expected_std) for k in estimated])
     limit = float(np.log(MAX_STD_FACTOR))
-    found = minimize(objective, start, method="L-BFGS-B", bounds=[(-limit, limit)] * len(start))
+    found = minimize(objective, start, method="L-BFGS-B", bounds=[(0.0, limit)] * len(start))
     return with_stds(found.x) if found.fun < objective(start) else own
 
 

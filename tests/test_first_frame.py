@@ -33,8 +33,7 @@ def problem() -> CauseSearchProblem:
 
 def test_the_start_has_an_error_in_each_trial_and_one_in_all(problem: CauseSearchProblem) -> None:
     assert problem.tolerances[START_DELAY] == START_TIME_STD_S
-    own = TrialEffect(START_DELAY, START_TIME_STD_S, expected_std=START_TIME_STD_S)
-    assert own in problem.noise.trial_effects
+    assert TrialEffect(START_DELAY, START_TIME_STD_S) in problem.noise.trial_effects
 
 
 def test_one_standard_deviation_of_the_start_is_changed_at_a_time(

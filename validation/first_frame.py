@@ -38,7 +38,7 @@ def gains_of_problem(problem: CauseSearchProblem, start: Mapping[str, float]) ->
     others = {f"start time x {k:g}": _with_start_time_std(problem, k) for k in TIME_FACTORS}
     others |= {f"velocity x {k:g}": _with_resting_velocity_std(problem, k)
                for k in VELOCITY_FACTORS}  # fmt: skip
-    first = _log_likelihood(_with_start_time_std(problem, 1.0), start)
+    first = _log_likelihood(problem, start)
     return {name: _log_likelihood(other, start) - first for name, other in others.items()}
 
 
@@ -47,9 +47,7 @@ def _log_likelihood(problem: CauseSearchProblem, start: Mapping[str, float]) -> 
 
 
 def _with_start_time_std(problem: CauseSearchProblem, factor: float) -> CauseSearchProblem:
-    """The problem with another standard deviation of the start, which is not estimated."""
-    effects = tuple(replace(e, std=factor * e.std, expected_std=0.0)
-                    if e.parameter == START_TIME_PARAMETER else e
+    effects = tuple(replace(e, std=factor * e.std) if e.parameter == START_TIME_PARAMETER else e
                     for e in problem.noise.trial_effects)  # fmt: skip
     return replace(problem, noise=replace(problem.noise, trial_effects=effects))
 

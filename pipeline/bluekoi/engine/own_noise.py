@@ -5,16 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-import numpy as np
-
 from ..data import Float
-from ..fitting import FilterResults, Noise, estimate_noise_model, filter_all
+from ..fitting import Noise, estimate_noise_model, filter_all
 from ..fitting.filtering import disturbance_slots
-from ..fitting.trial_effects import (
-    marginal_products_at_effects,
-    most_probable_trial_effect_stds,
-    parameter_vectors_with_trial_effects,
-)
+from ..fitting.trial_effects import parameter_vectors_with_trial_effects
 from ..integrate.batch import threaded_map
 from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
 from .refit import (
@@ -22,6 +16,7 @@ from .refit import (
     fit_cause_set,
     refit_from_fitted_values,
     start_values,
+    total_log_likelihood,
 )
 
 SMALL_FORCE_SHARE, SMALL_FORCE_CORRELATION_TIME_S = 0.05, 0.5
@@ -85,20 +80,11 @@ def refit_without_discrepancy(problem: CauseSearchProblem, model: FittedCauseSet
 def is_likelier_under_noise(
     problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise
 ) -> bool:
-    """Whether the trials are likelier at a set's numbers under another noise than under its own,
-    what differs between trials integrated out.
-    """
-    points = _trial_vectors(problem, model)
-
-    def log_likelihood(under: Noise) -> float:
-        passes = filter_all(problem.kernel, problem.series, points, under)
-        products, constant, _ = marginal_products_at_effects(
-            problem.kernel, passes, points, (), noise=under
-        )
-        found = float((passes.log_lik_const - 0.5 * products[:, 0, 0] + constant).sum())
-        return found if np.isfinite(found) else -np.inf
-
-    return log_likelihood(noise) > log_likelihood(model.noise)
+    """Whether the trials are likelier at a set's numbers under another noise than under its own."""
+    points = _trial_vectors_with_trial_effects(problem, model)
+    own, other = (total_log_likelihood(filter_all(problem.kernel, problem.series, points, n))
+                  for n in (model.noise, noise))  # fmt: skip
+    return other > own
 
 
 def _update_noise_and_fit(
@@ -116,41 +102,19 @@ def _update_noise_and_fit(
                                  line_searches=False, max_trials=MAX_SEARCH_TRIALS,
                                  passes=model.passes if at_fit else None)  # fmt: skip
     whole = at_fit and len(found.passes) == len(problem.series)
-    noise = _with_estimated_trial_effects(
-        problem, model, found.noise, found.passes if whole else model.passes
-    )
-    again = refit_from_fitted_values(problem, model, noise,
+    again = refit_from_fitted_values(problem, model, found.noise,
                                      predictor=found.passes if whole else None)  # fmt: skip
     return max(model, again, key=lambda m: m.log_joint)
-
-
-def _with_estimated_trial_effects(
-    problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise, passes: FilterResults
-) -> Noise:
-    """A noise with the most probable standard deviations of the trial effects, after its other
-    numbers: what both can describe is not counted twice. passes: the filter's with the noise.
-    """
-    effects = model.effects(problem)
-    if effects is None:
-        return noise
-    found = most_probable_trial_effect_stds(problem.kernel, passes, _trial_vectors(problem, model),
-                                            noise=noise, effects=effects)  # fmt: skip
-    return replace(noise, trial_effects=found)
-
-
-def _trial_vectors(problem: CauseSearchProblem, model: FittedCauseSet) -> list[Float]:
-    """Full parameter vectors of the trials at a set's numbers, without trial effects."""
-    base = start_values(problem, model.causes, model.fit.by_label(), model.discrepancy)
-    return replace(problem, base=base).points(model.fit.free, model.fit.values)
 
 
 def _trial_vectors_with_trial_effects(
     problem: CauseSearchProblem, model: FittedCauseSet
 ) -> list[Float]:
-    """As `_trial_vectors`, with the most probable trial effects: an error that is constant in a
-    trial is not to be counted as a random force as well.
+    """Full parameter vectors of the trials at a set's numbers, with the most probable trial
+    effects: an error that is constant in a trial is not to be counted as a random force as well.
     """
-    points = _trial_vectors(problem, model)
+    base = start_values(problem, model.causes, model.fit.by_label(), model.discrepancy)
+    points = replace(problem, base=base).points(model.fit.free, model.fit.values)
     effects = model.effects(problem)
     if effects is None:
         return points
@@ -161,9 +125,7 @@ def noise_with_small_random_forces(
     problem: CauseSearchProblem, noise: Noise, *, share: float = SMALL_FORCE_SHARE,
     time_s: float = SMALL_FORCE_CORRELATION_TIME_S,
 ) -> Noise:  # fmt: skip
-    """The noise with random forces of a share of the problem's, and their correlation time, and
-    trial effects of at most the expected size.
-    """
+    """The noise with random forces of a share of the problem's, and their correlation time."""
     acting = set(disturbance_slots(problem.kernel, acting=True))
     count = len(noise.disturbance)
     disturbance, tau = noise.disturbance.copy(), noise.tau.copy()
@@ -171,6 +133,4 @@ def noise_with_small_random_forces(
         if slot in acting:
             disturbance[k] = share * problem.noise.disturbance[k]
             tau[k] = time_s * problem.kernel.system.time_unit_s
-    effects = tuple(replace(e, std=min(e.std, e.expected_std)) if e.expected_std > 0 else e
-                    for e in noise.trial_effects)  # fmt: skip
-    return replace(noise, disturbance=disturbance, tau=tau, trial_effects=effects)
+    return replace(noise, disturbance=disturbance, tau=tau)

@@ -59,17 +59,11 @@ class TrialSeries:
 class TrialEffect:
     """A parameter that differs from trial to trial, normally distributed about its common value.
 
-    std: standard deviation in the parameter's unit, whatever its common value is. expected_std:
-    where std is estimated, that of careful work, its least value; 0 where std is known.
+    std: standard deviation in the parameter's unit, whatever its common value is.
     """
 
     parameter: str
     std: float
-    expected_std: float = 0.0
-
-    def __post_init__(self) -> None:
-        if self.expected_std > 0 and self.std <= 0:
-            raise ValueError(f"{self.parameter}: an estimated standard deviation must be positive")
 
 
 @dataclass(frozen=True)

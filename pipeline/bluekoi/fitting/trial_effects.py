@@ -8,25 +8,16 @@ there does the slope of the marginal likelihood follow from the slopes of the pr
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
 
 from ..data import Float
 from ..integrate import CompiledSystem
 from .filtering import FilterResults
 from .predictions import ParameterChange, difference_step, slots_by_name, whitened_products
-from .series import FreeParameter, Noise, TrialEffect
+from .series import FreeParameter, Noise
 
-STD_PRIOR_GEOMETRIC_STD = 3.0
-"""ASSUME geometric standard deviation of the prior of an effect's standard deviation, above the
-expected one: careful work is the least error that is assumed, and two thirds of the laboratories
-are within a factor of 3 of it."""
-MAX_STD_FACTOR = STD_PRIOR_GEOMETRIC_STD**3
-"""Standard deviations are estimated between the expected ones and this factor of them, three
-geometric standard deviations of the prior. They are not estimated to be smaller: an error that is
-alike in all trials is no scatter, but no trial is more accurate for it."""
 NEWTON_STEPS = 2
 """Newton steps to the most probable effects: they are small, and the predictions nearly linear."""
 
@@ -51,8 +42,7 @@ def marginal_products_at_effects(
     changes: Sequence[ParameterChange], *, noise: Noise, effects: Float | None = None,
 ) -> tuple[Float, Float, MostProbableTrialEffects]:  # fmt: skip
     """Marginal products and constants, as `marginal_products`, at full parameter vectors, one a
-    trial, linearised about `effects` (t, q) or, without, the most probable ones there. The
-    constants include the log prior of estimated standard deviations, shared evenly by the trials.
+    trial, linearised about `effects` (t, q) or, without, the most probable ones there.
     """
     stds = _effect_stds(points, noise)
     if effects is None:
@@ -60,59 +50,7 @@ def marginal_products_at_effects(
     more = [*changes, *trial_effect_changes(kernel, points, noise)]
     at = parameter_vectors_with_trial_effects(kernel, points, effects, noise)
     products = whitened_products(kernel, passes, at, more, noise)
-    marginal, constant, found = marginal_products(
-        _products_without_trial_effects(products, effects), stds
-    )
-    prior = sum(map(_log_prior_of_std, noise.trial_effects))
-    return marginal, constant + prior / len(points), found
-
-
-def most_probable_trial_effect_stds(
-    kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float], *, noise: Noise,
-    effects: Float,
-) -> tuple[TrialEffect, ...]:  # fmt: skip
-    """The trial effects of a noise with the most probable standard deviations, of those that are
-    estimated, at full parameter vectors, one a trial; effects (t, q): as in
-    `marginal_products_at_effects`.
-
-    Posterior mode in the logarithms: marginal likelihood of the variance components (Laird and Ware
-    1982) with lognormal priors.
-    """
-    own = noise.trial_effects
-    estimated = [k for k, effect in enumerate(own) if effect.expected_std > 0]
-    if not estimated:
-        return own
-    changes = trial_effect_changes(kernel, points, noise)
-    at = parameter_vectors_with_trial_effects(kernel, points, effects, noise)
-    products = _products_without_trial_effects(
-        whitened_products(kernel, passes, at, changes, noise), effects
-    )
-
-    def with_stds(logs: Float) -> tuple[TrialEffect, ...]:
-        out = list(own)
-        for k, log in zip(estimated, logs, strict=True):
-            out[k] = replace(own[k], std=float(own[k].expected_std * np.exp(log)))
-        return tuple(out)
-
-    def objective(logs: Float) -> float:
-        tried = with_stds(logs)
-        stds = np.tile([effect.std for effect in tried], (len(points), 1))
-        marginal, constant, _ = marginal_products(products, stds)
-        value = 0.5 * marginal[:, 0, 0].sum() - constant.sum() - sum(map(_log_prior_of_std, tried))
-        return float(np.nan_to_num(value, nan=np.inf))
-
-    start = np.array([np.log(own[k].std / own[k].expected_std) for k in estimated])
-    limit = float(np.log(MAX_STD_FACTOR))
-    found = minimize(objective, start, method="L-BFGS-B", bounds=[(0.0, limit)] * len(start))
-    return with_stds(found.x) if found.fun < objective(start) else own
-
-
-def _log_prior_of_std(effect: TrialEffect) -> float:
-    """Log density of the logarithm of an estimated standard deviation, less its constant."""
-    if effect.expected_std <= 0:
-        return 0.0
-    off = np.log(effect.std / effect.expected_std) / np.log(STD_PRIOR_GEOMETRIC_STD)
-    return float(-0.5 * off**2)
+    return marginal_products(_products_without_trial_effects(products, effects), stds)
 
 
 def most_probable_trial_effects(

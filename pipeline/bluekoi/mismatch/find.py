@@ -52,7 +52,6 @@ from .extended_model import fit_extended
 from .free_run_errors import path_errors
 from .missing_force_dependence import ExplainedForceShare, covariates, force_dependences
 from .robot_problem import robot_problem, undetermined_cause_warnings
-from .trial_scatter import scatter_warnings
 
 MIN_FORCE_UNIT_SHARE_OF_BASELINE = 0.1
 """The missing force is compared with the random forces of the final model, but with no less than
@@ -168,7 +167,6 @@ def find_mismatch(
         misfit_warnings=misfits,
         warnings=[*map(insignificance_sentence, chosen.insignificant),
                   *misfits,
-                  *scatter_warnings(best.model.noise, best.model.fit.by_label()["C_T"]),
                   *_unconfirmed_warnings(named, held_out),
                   *undetermined_cause_warnings(kernel.system, train),
                   *([drifting.sentence] if drifting else [])],

@@ -20,7 +20,6 @@ from .missing_force_dependence import FORCE_CHANNELS
 from .next_trial import next_trial_json
 from .robot_problem import CAMERA_SHIFT_EFFECT
 from .sentences import unexplained_sentence, verdict_sentence
-from .trial_scatter import scatter_json
 
 
 def mismatch_json(
@@ -177,9 +176,7 @@ def dependence_json(found: MismatchResult) -> list[dict[str, Any]]:
 
 
 def mismatch_detail_json(found: MismatchResult) -> dict[str, Any]:
-    """Content of mismatch_detail.json: forces along the paths, candidate sets, coefficients, errors
-    that differ between trials.
-    """
+    """Content of mismatch_detail.json: forces along the paths, candidate sets, coefficients."""
     best = found.posterior.best.log_posterior
     return {
         "forces": {
@@ -206,5 +203,4 @@ def mismatch_detail_json(found: MismatchResult) -> dict[str, Any]:
                    for label, (value, std) in estimates_by_label(tuned).items()}
             for name, tuned in (("before", found.baseline), ("after", found.extended))
         },
-        "trial_errors": scatter_json(found.model.noise),
     }  # fmt: skip

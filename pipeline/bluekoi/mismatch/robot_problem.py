@@ -157,10 +157,9 @@ def _trial_error_effects(baseline: JointFit) -> tuple[TrialEffect, ...]:
     flapping frequency, of the measured head angle, and of the time of the start, in each trial.
     """
     thrust = abs(baseline.fit.by_label()["C_T"])
-    stds = {
-        "servo_error.angle": float(SERVO_STD_RAD),
-        "C_T": 2.0 * LOGGED_FREQUENCY_STD_SHARE * thrust,
-        "head_angle_error.angle": HEAD_ANGLE_STD_RAD,
-        "time_offset.start_delay": START_TIME_STD_S,
-    }
-    return tuple(TrialEffect(name, std, expected_std=std) for name, std in stds.items())
+    return (
+        TrialEffect("servo_error.angle", float(SERVO_STD_RAD)),
+        TrialEffect("C_T", 2.0 * LOGGED_FREQUENCY_STD_SHARE * thrust),
+        TrialEffect("head_angle_error.angle", HEAD_ANGLE_STD_RAD),
+        TrialEffect("time_offset.start_delay", START_TIME_STD_S),
+    )

@@ -16,8 +16,10 @@ from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
 
 @pytest.fixture(scope="module")
 def problem() -> CauseSearchProblem:
-    """18 trials with an error of the servo in each."""
-    series = simulate_campaigns(trial_plans(), ErrorModel(), np.random.default_rng(8), count=1)[0]
+    """Six trials with an error of the servo in each."""
+    series = simulate_campaigns(
+        trial_plans(powers=(75,)), ErrorModel(), np.random.default_rng(8), count=1
+    )[0]
     return robot_problem(
         compile_system(two_plate_system()), downsampled_with_head_angle_changes(series, 5.0),
         fit_all_trials(downsampled(series)), displaced=(), progress=lambda _: None,

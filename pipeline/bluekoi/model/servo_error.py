@@ -19,6 +19,7 @@ EFFECT_DESCRIPTION = "The head stands at a slightly different angle in each tria
 EFFECT_PARAMETERS = (
     Parameter("angle", "rad", 0.005, -0.4, 0.4, "true minus commanded head angle"),
 )
+"""Plausible magnitude: 0.3 degrees (`SERVO_STD_RAD`). Bounds: those of `head_angle_offset`."""
 
 
 def actuation_inputs(angle: float) -> tuple[float, float]:

@@ -18,6 +18,7 @@ from ..integrate.system import Parameter
 EFFECT_KIND = "trial error"
 EFFECT_DESCRIPTION = "The observed head angle has a slightly different error in each trial."
 EFFECT_PARAMETERS = (Parameter("angle", "rad", 0.01, -0.4, 0.4, "observed minus true head angle"),)
+"""Plausible magnitude: 0.6 degrees (`HEAD_ANGLE_STD_RAD`). Bounds: those of `head_angle_offset`."""
 
 
 def observe(angle: float) -> tuple[float, float, float, float]:

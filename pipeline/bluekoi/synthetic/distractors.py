@@ -9,6 +9,8 @@ from bluekoi.synthetic.body import DrawnShape, circle_outline
 BAR_HEIGHT_ABOVE_WATER_M = 0.30
 HAND_HEIGHT_ABOVE_WATER_M = 0.06
 SECOND_BODY_HEIGHT_ABOVE_WATER_M = -0.02
+"""ASSUME a bar on the rim of the pool, a hand just above the water, a body 2 cm below its surface.
+"""
 HAND_RGB = (214.0, 168.0, 142.0)
 SLEEVE_RGB = (62.0, 70.0, 92.0)
 SECOND_HAND_ENTRY_S = (1.4, 2.6)

@@ -23,6 +23,7 @@ from .variance import FrameQuadraticForms, covariance_kernels, frame_quadratic_f
 PRIOR_PRECISION = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
 MIN_TRACKING_SUPPORT_SHARE = 0.55
 MAX_HEAD_ANGLE_DEVIATION_RAD = 0.7
+"""ASSUME a servo that lags or is wrong turns the head by less than 40 degrees from the scene's."""
 STATISTICS_EVERY_FRAMES = 2
 NO_TAIL = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
 LOST_AFTER_FRAMES = 8

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE
 from ..engine import CauseSearchProblem, PriorInclusionProbabilities, candidates_by_effect_name
 from ..fitting import Noise, TrialEffect, TrialSeries
 from ..integrate import CompiledSystem, System
@@ -100,6 +101,7 @@ def robot_problem(
         tolerances={
             **label_offset_stds(units),
             "time_offset.start_delay": START_TIME_STD_S,
+            "scale_error.length_error": STATED_LENGTH_STD_SHARE,
             **(HOMOGRAPHY_TOLERANCES if by_homography else {}),
         },
         state_variables=MOTION_VARIABLES,

@@ -732,7 +732,9 @@ def first_seen_position(series: TrialSeries) -> np.ndarray:
 def test_a_homography_may_shrink_positions_by_what_the_uncorrected_depth_costs(
     demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
-    """Keypoints 4 cm deep, camera at 1.5 m: 2 % nearer the middle; nothing with a matrix."""
+    """Keypoints 4 cm deep, camera at 1.5 m: 2 % nearer the middle; with a camera matrix, the 0.3 % to
+    which stated lengths are right.
+    """
     m, found = demo
     problems = [
         robot_problem(
@@ -745,5 +747,5 @@ def test_a_homography_may_shrink_positions_by_what_the_uncorrected_depth_costs(
         )
         for plane in (True, False)
     ]
-    allowed = [p.tolerances.get("scale_error.length_error") for p in problems]
-    assert allowed == [pytest.approx(0.04 / (1.333 * 1.5), rel=0.05), None]
+    allowed = [p.tolerances["scale_error.length_error"] for p in problems]
+    assert allowed == [pytest.approx(0.04 / (1.333 * 1.5), rel=0.05), 0.003]

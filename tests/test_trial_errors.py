@@ -1,15 +1,14 @@
-"""Errors of careful work: those of single trials, and that of the stated lengths."""
+"""Errors that differ between trials have parameters of their own, without functional forms."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from bluekoi.camera.rigid_distances import STATED_LENGTH_STD_SHARE
 from bluekoi.engine import CauseSearchProblem
 from bluekoi.fitting.normal import trial_normal_equations
 from bluekoi.integrate import compile_system
-from bluekoi.mismatch.robot_problem import UNKNOWN_DEPTH_SCALE_ERROR_STD, robot_problem
+from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.model import two_plate_system
 from bluekoi.tuning import downsampled, downsampled_with_head_angle_changes, fit_all_trials
 from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
@@ -18,17 +17,12 @@ from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
 @pytest.fixture(scope="module")
 def problem() -> CauseSearchProblem:
     """Six trials with an error of the servo in each."""
-    return _problem(by_homography=False)
-
-
-def _problem(*, by_homography: bool) -> CauseSearchProblem:
     series = simulate_campaigns(
         trial_plans(powers=(75,)), ErrorModel(), np.random.default_rng(8), count=1
     )[0]
     return robot_problem(
         compile_system(two_plate_system()), downsampled_with_head_angle_changes(series, 5.0),
-        fit_all_trials(downsampled(series)), displaced=(), by_homography=by_homography,
-        progress=lambda _: None,
+        fit_all_trials(downsampled(series)), displaced=(), progress=lambda _: None,
     )  # fmt: skip
 
 
@@ -55,10 +49,3 @@ def test_the_form_of_an_absent_cause_does_not_change_the_likelihood(
         for base in (problem.base, other)
     )
     assert second.log_likelihood == pytest.approx(first.log_likelihood)
-
-
-def test_the_scale_is_as_accurate_as_the_stated_lengths(problem: CauseSearchProblem) -> None:
-    """Without a camera matrix, the depth of the keypoints is an error of the scale as well."""
-    label = "scale_error.length_error"
-    assert problem.tolerances[label] == STATED_LENGTH_STD_SHARE
-    assert _problem(by_homography=True).tolerances[label] == UNKNOWN_DEPTH_SCALE_ERROR_STD

@@ -732,8 +732,8 @@ def first_seen_position(series: TrialSeries) -> np.ndarray:
 def test_a_homography_may_shrink_positions_by_what_the_uncorrected_depth_costs(
     demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
-    """Keypoints 4 cm deep, camera at 1.5 m: 2 % nearer the middle; with a camera matrix, the 0.3 % to
-    which stated lengths are right.
+    """Keypoints 4 cm deep, camera at 1.5 m: 2 % nearer the middle; with a camera matrix, the 0.3 %
+    to which stated lengths are right.
     """
     m, found = demo
     problems = [

@@ -12,13 +12,20 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bluekoi.data import FlappingFrequency, Float, Pose
+from bluekoi.engine import CauseSearchProblem
 from bluekoi.fitting import TrialSeries
 from bluekoi.integrate import LANES, compile_system
 from bluekoi.integrate.batch import simulate_batch
+from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, constants_of_robot_trial, two_plate_system
 from bluekoi.smoothing import smooth_pose
 from bluekoi.study import Trial
-from bluekoi.tuning import trial_series
+from bluekoi.tuning import (
+    downsampled,
+    downsampled_with_head_angle_changes,
+    fit_all_trials,
+    trial_series,
+)
 from paper_robot import PAPER_SETUP
 
 FPS = 30.0
@@ -86,6 +93,15 @@ def simulate_campaigns(
          for plan, path in zip(wanted, paths, strict=True)]
         for lane in range(count)
     ]  # fmt: skip
+
+
+def simulated_search_problem(rng: np.random.Generator) -> CauseSearchProblem:
+    """The search for causes in six simulated trials that begin at rest, at one motor power."""
+    series = simulate_campaigns(trial_plans(powers=(75,)), ErrorModel(), rng, count=1)[0]
+    return robot_problem(
+        compile_system(two_plate_system()), downsampled_with_head_angle_changes(series, 5.0),
+        fit_all_trials(downsampled(series)), displaced=(), progress=lambda _: None,
+    )  # fmt: skip
 
 
 def _simulated_paths(

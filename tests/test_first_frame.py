@@ -9,11 +9,8 @@ import pytest
 
 from bluekoi.engine import CauseSearchProblem
 from bluekoi.fitting import TrialEffect
-from bluekoi.integrate import compile_system
-from bluekoi.mismatch.robot_problem import START_TIME_STD_S, robot_problem
-from bluekoi.model import two_plate_system
-from bluekoi.tuning import downsampled, downsampled_with_head_angle_changes, fit_all_trials
-from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
+from bluekoi.mismatch.robot_problem import START_TIME_STD_S
+from simulated_campaigns import simulated_search_problem
 from validation import first_frame
 
 START_DELAY = "time_offset.start_delay"
@@ -22,13 +19,7 @@ START_DELAY = "time_offset.start_delay"
 @pytest.fixture(scope="module")
 def problem() -> CauseSearchProblem:
     """Six trials that begin at rest."""
-    series = simulate_campaigns(
-        trial_plans(powers=(75,)), ErrorModel(), np.random.default_rng(5), count=1
-    )[0]
-    return robot_problem(
-        compile_system(two_plate_system()), downsampled_with_head_angle_changes(series, 5.0),
-        fit_all_trials(downsampled(series)), displaced=(), progress=lambda _: None,
-    )  # fmt: skip
+    return simulated_search_problem(np.random.default_rng(5))
 
 
 def test_the_start_has_an_error_in_each_trial_and_one_in_all(problem: CauseSearchProblem) -> None:

@@ -7,23 +7,13 @@ import pytest
 
 from bluekoi.engine import CauseSearchProblem
 from bluekoi.fitting.normal import trial_normal_equations
-from bluekoi.integrate import compile_system
-from bluekoi.mismatch.robot_problem import robot_problem
-from bluekoi.model import two_plate_system
-from bluekoi.tuning import downsampled, downsampled_with_head_angle_changes, fit_all_trials
-from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
+from simulated_campaigns import simulated_search_problem
 
 
 @pytest.fixture(scope="module")
 def problem() -> CauseSearchProblem:
     """Six trials with an error of the servo in each."""
-    series = simulate_campaigns(
-        trial_plans(powers=(75,)), ErrorModel(), np.random.default_rng(8), count=1
-    )[0]
-    return robot_problem(
-        compile_system(two_plate_system()), downsampled_with_head_angle_changes(series, 5.0),
-        fit_all_trials(downsampled(series)), displaced=(), progress=lambda _: None,
-    )  # fmt: skip
+    return simulated_search_problem(np.random.default_rng(5))
 
 
 def test_an_error_of_a_trial_has_no_functional_form(problem: CauseSearchProblem) -> None:

@@ -17,7 +17,8 @@ from .study_camera import camera_from_corners
 
 RIGID_PAIRS = (("head_tip", "hinge"), ("hinge", "core_center"), ("core_center", "tail_base"))
 MAX_DISTANCE_SAMPLES = 30_000
-STATED_LENGTH_STD_SHARE = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
+STATED_LENGTH_STD_SHARE = 0.003
+"""ASSUME the lengths of robot and pool in study.yaml are right to 0.3 %."""
 MAD_TO_STD = 1.4826
 MAX_DEVIATION_ROBUST_STDS = 6.0
 

@@ -146,7 +146,8 @@ def test_refraction_left_out_and_a_wrong_depth_move_places_as_their_candidate_sa
         tilted_camera(), np.column_stack([GRID_M, np.full(len(GRID_M), -depth)])
     )
     seen = map_to_pool(tilted_camera(index), pixels, DEPTH_M) - GRID_M
-    given = named_constants(stated_setup(index=index), ("x_cam", "y_cam", "bend")) | {"q": 1.0}
+    given = named_constants(stated_setup(index=index), ("x_cam", "y_cam", "bend"))
+    given |= {"q": 1.0, "d": 0.0, "session": 0.5}
     assert np.hypot(given["x_cam"] - 1.4, given["y_cam"] - 0.75) < 0.01
     assert (
         unexplained_share(
@@ -211,8 +212,8 @@ def test_corners_that_fit_no_pose_are_seen_from_above_the_middle():
 def test_keypoints_placed_back_from_the_nose_are_displaced_as_the_nose_is(effect, names):
     forms = {
         lens_error: {"q": 1.0, "p_x": 0.01, "p_y": -0.02},
-        scale_error: {"a": 0.3},
-        uncorrected_refraction: {"q": 0.7},
+        scale_error: {"a": 0.3, "d": 0.5, "session": 0.8},
+        uncorrected_refraction: {"q": 0.7, "d": 0.5, "session": 0.8},
     }
     given = named_constants(stated_setup(), names) | {"k": 0.02} | forms.get(effect, {})
     c, s, ahead = np.cos(2.1), np.sin(2.1), 0.15

@@ -84,10 +84,11 @@ def lengths_with_error(
     names = effect.hooks["observe"].__code__.co_varnames[
         : effect.hooks["observe"].__code__.co_argcount
     ]
-    moved = []
+    moved, session = [], distances.trial / distances.trial.max()
     for end in (distances.front_m, distances.back_m):
-        rows = [effect.hooks["observe"](*[{**known, "x": x, "y": y, "t": t}[n] for n in names])[:2]
-                for (x, y), t in zip(end, distances.time_s, strict=True)]  # fmt: skip
+        rows = [effect.hooks["observe"](
+                    *[{**known, "x": x, "y": y, "t": t, "session": o}[n] for n in names])[:2]
+                for (x, y), t, o in zip(end, distances.time_s, session, strict=True)]  # fmt: skip
         moved.append(end + np.array(rows))
     before = np.linalg.norm(distances.front_m - distances.back_m, axis=1)
     grown = np.linalg.norm(moved[0] - moved[1], axis=1) - before
@@ -120,6 +121,25 @@ def estimated_strengths(
 def is_strength(name: str) -> bool:
     effect = SYSTEM.effect(name.partition(".")[0])
     return name.partition(".")[2] in [p.name for p in effect.parameters[: effect.strengths]]
+
+
+def test_lengths_tell_a_rising_water_level_from_a_wrong_depth() -> None:
+    """The level rises from the stated one, so that the mean shift is half the last one."""
+    rising = lengths_with_error(simulated_lengths(np.random.default_rng(6)),
+                                "uncorrected_refraction", {"k": 0.01, "d": 1.0})  # fmt: skip
+    found = length_measurement_of(rising)
+    shift, trend = (found.parameters.index(f"uncorrected_refraction.{name}")
+                    for name in ("inward_shift", "session_trend"))  # fmt: skip
+    values = np.array([0.0 if is_strength(n) else SYSTEM.parameters[SYSTEM.slot[n]].start
+                       for n in found.parameters])  # fmt: skip
+    values[shift] = 0.01
+
+    def misfit(d: float) -> float:
+        values[trend] = d
+        return float(np.sum(found.errors(values) ** 2))
+
+    assert misfit(1.0) < misfit(0.0) - 20.0
+    assert misfit(1.0) < misfit(-1.0) - 50.0
 
 
 @pytest.mark.parametrize(

@@ -31,6 +31,7 @@ import numpy as np
 from scipy.special import erfcx, gammaln, log_ndtr, logsumexp
 
 from ..data import Float
+from ..fitting.joint_fit import regularised_fisher_inverse
 from .expansion import LikelihoodExpansion
 from .problem import CauseSearchProblem
 from .set_columns import (
@@ -209,6 +210,33 @@ def _log_cauchy(values: Float, sizes: Float) -> Float:
         - np.log(sizes).sum()
         - 0.5 * (k + 1) * np.log1p(np.sum((values / sizes) ** 2, axis=-1))
     )
+
+
+def log_odds_of_absence(
+    problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns, cause: str
+) -> float:
+    """Approximate log posterior odds of a fitted set without one of its causes against the set.
+
+    The sets are nested, so that the ratio of their evidences is that of the densities of the
+    strengths at 0, posterior over prior (Dickey, Ann. Math. Statist. 42 (1971), 204).
+    """
+    block = lay.blocks[cause]
+    block = block[~lay.held[block]]
+    free = np.flatnonzero(~lay.held)
+    precision = np.where(lay.included, 0.0, _fitted_precision(problem, expansion, lay))
+    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)] + np.diag(precision)
+    place = np.isin(free, block)
+    cov = regularised_fisher_inverse(H[np.ix_(free, free)])[np.ix_(place, place)]
+    values = lay.at[block]
+    at_zero = -0.5 * (
+        values @ np.linalg.solve(cov, values) + np.linalg.slogdet(2.0 * np.pi * cov)[1]
+    )
+    sizes = lay.sizes[cause]
+    prior = float(_log_cauchy(np.zeros(len(sizes)), sizes))
+    if lay.signed[cause] and len(block):
+        at_zero -= float(log_ndtr(values[0] / np.sqrt(cov[0, 0])))
+        prior += float(np.log(2.0))
+    return float(at_zero - prior - log_prior(problem, [cause]))
 
 
 def log_prior(problem: CauseSearchProblem, causes: Sequence[str]) -> float:

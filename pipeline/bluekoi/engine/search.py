@@ -17,12 +17,18 @@ import numpy as np
 
 from ..integrate.batch import threaded_map
 from .collinear_terms import collinear_terms
+from .evidence import log_odds_of_absence
 from .expansion import (
     expand_likelihood,
     expand_likelihood_in_all_forms,
     restricted_to_likeliest_forms,
 )
-from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FitRequest, FittedCauseSets
+from .fitted_sets import (
+    MAX_LOG_ODDS_TO_REFIT,
+    MAX_LOG_ODDS_TO_REFIT_NESTED,
+    FitRequest,
+    FittedCauseSets,
+)
 from .own_noise import fit_without_causes, is_likelier_under_noise
 from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
 from .proposals import (
@@ -122,8 +128,27 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
             lambda pair: fits_in_place_of(visited, *pair), found) for one in fits])  # fmt: skip
         fit_causes_in_place_of_residual_terms(visited, best)
         visited.converge()
+        visited.add_side_by_side(_probable_parts(visited))
+        visited.converge()
         _refit_with_shared_noise(visited)
     return visited
+
+
+def _probable_parts(visited: FittedCauseSets) -> list[FitRequest]:
+    """Fits of parts that lack one cause of a probable set, where they may be as probable.
+
+    A search that adds causes one by one does not come to a cause that only pays beside another,
+    wrong one.
+    """
+    least = visited.best.log_posterior - MAX_LOG_ODDS_TO_REFIT_NESTED
+    return [
+        FitRequest(tuple(c for c in one.causes if c != cause), one.model)
+        for one in list(visited.sets.values())
+        for cause in one.causes
+        if one.log_posterior > least and len(one.causes) > 1
+        and one.log_posterior + log_odds_of_absence(
+            visited.problem, one.expansion, one.layout, cause) > least
+    ]  # fmt: skip
 
 
 def _refit_with_shared_noise(visited: FittedCauseSets) -> None:

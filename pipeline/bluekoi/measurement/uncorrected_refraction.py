@@ -3,13 +3,16 @@
 A keypoint that lies deeper than assumed appears closer to the point c = (x_c, y_c) below the
 camera. If its position is `true`, it is measured at
 
-    seen = true - k (true - c) (1 + q b rho^2),  rho = |true - c|
+    seen = true - k (1 + d (2 o - 1)) (true - c) (1 + q b rho^2),  rho = |true - c|
 
-- k: relative shift near c. Its bounds in a fit are the shift of a keypoint on top of the body and
-  that of a keypoint on the floor of the pool;
+- k: relative shift near c, the mean over the session. Its bounds in a fit are the shift of a
+  keypoint on top of the body and that of a keypoint on the floor of the pool;
 - b: increase of the relative shift with the distance from c. It is computed from the height of the
   camera and the stated refractive index (camera/error_displacement.py);
-- q: increase over the computed one. It is 1 if only the index or only the depth is wrong.
+- q: increase over the computed one. It is 1 if only the index or only the depth is wrong;
+- d: trend of the shift over the session, relative to its mean. The water level rises or falls while
+  the pool is filled or leaks. With d = 1, the shift grows from 0 in the first trial;
+- o: place of the trial in the session, from 0 (first) to 1 (last).
 
 Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34 (2012), 51.
 """
@@ -33,14 +36,21 @@ EFFECT_PARAMETERS = (
     Parameter("bending_ratio", "1", 1.0, 0.0, 3.0,
               "increase with the distance, relative to the computed one", spread=0.5,
               symbol="q"),
+    Parameter("session_trend", "1", 0.0, -2.0, 2.0,
+              "change of the shift over half a session, relative to its mean", spread=0.5,
+              tries=(1.0, -1.0), symbol="d"),
 )  # fmt: skip
+FUNCTIONAL_FORMS = {
+    "wrong depth": {},
+    "rising water level": {"session_trend": 1.0},
+}
 
 
 def observe(
     x: float, y: float, cpsi: float, spsi: float, x_cam: float, y_cam: float, bend: float,
-    ahead: float, k: float, q: float,
+    ahead: float, session: float, k: float, q: float, d: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Change of what is seen (m, m, rad, rad); ahead: see `scale_error`."""
     dx, dy = x + ahead * cpsi - x_cam, y + ahead * spsi - y_cam
-    s = -k * (1.0 + q * bend * (dx * dx + dy * dy))
+    s = -k * (1.0 + d * (2.0 * session - 1.0)) * (1.0 + q * bend * (dx * dx + dy * dy))
     return s * dx, s * dy, 0.0, 0.0

@@ -7,11 +7,11 @@ and Z b what else changes lengths,
     y = P(theta) + Z b + e,   b ~ N(0, S),   e ~ N(0, nu^2 D)
 
 b holds each stated length (to 0.3 %), each keypoint's place along the body, each trial's scale, a
-smooth relative error of the detector over the pool, and the errors within which a camera counts as
-calibrated. How far keypoints and trials are off, and how much wider the noise is than independent
-frames would have it (nu), is estimated by restricted maximum likelihood (Patterson and Thompson,
-Biometrika 58 (1971), 545). The misfit y' C^-1 y, C = nu^2 D + Z S Z', then compares all errors of
-the camera and their mixtures in one measurement, however the keypoints are labelled.
+smooth relative error of the detector over pool and session, and the errors within which a camera
+counts as calibrated. How far keypoints and trials are off, and how much wider the noise is than
+independent frames would have it (nu), is estimated by restricted maximum likelihood (Patterson and
+Thompson, Biometrika 58 (1971), 545). The misfit y' C^-1 y, C = nu^2 D + Z S Z', then compares all
+errors of the camera and their mixtures in one measurement, however the keypoints are labelled.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import inspect
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -67,9 +68,10 @@ def rigid_length_measurement(
     constants: of the study's view. trials: how many share it. systematic: relative error of the
     detector that is the same in all trials.
     """
+    last_trial = float(np.max(windows.trial, initial=0.0))
     windows = _windows_of_max_trials(windows)
     effects = effects_that_change_lengths(system)
-    camera = _LengthExcess(effects, dict(constants), windows)
+    camera = _LengthExcess(effects, dict(constants), windows, last_trial)
     patterns = camera.patterns()
     if len(windows.excess_m) <= 2 * patterns.shape[1]:
         return None
@@ -107,11 +109,12 @@ def _windows_of_max_trials(windows: RigidDistances) -> RigidDistances:
 
 @dataclass(frozen=True)
 class _LengthExcess:
-    """Excess of lengths by each effect."""
+    """Excess of lengths by each effect; last_trial: number of the session's last trial."""
 
     effects: tuple[Effect, ...]
     constants: Mapping[str, float]
     windows: RigidDistances
+    last_trial: float
 
     def excess(self, effect: Effect, values: Sequence[float]) -> Float:
         """Excess (n,) of the lengths, m, by an effect: difference of the ends' displacements along
@@ -124,9 +127,15 @@ class _LengthExcess:
         along = w.front_m - w.back_m
         along = along / np.linalg.norm(along, axis=1)[:, None]
         middle, half = 0.5 * (w.front_m + w.back_m), 0.5 * w.known_m[:, None] * along
-        front, back = (_observed_displacement_m(effect, end, w.time_s, self.constants, values)
+        known = {**self.constants, "session": self.session}
+        front, back = (_observed_displacement_m(effect, end, w.time_s, known, values)
                        for end in (middle + half, middle - half))  # fmt: skip
         return np.asarray(np.sum((front - back) * along, axis=1))
+
+    @property
+    def session(self) -> Float:
+        """Place (n,) of each length's trial in the session, from 0 to 1."""
+        return self.windows.trial / max(self.last_trial, 1.0)
 
     def patterns(self) -> Float:
         """Excess (n, m) by each strength at its prior standard deviation, for the leading form and
@@ -155,7 +164,7 @@ def _tried_shape_values(effect: Effect) -> list[tuple[float, ...]]:
 
 
 def _observed_displacement_m(
-    effect: Effect, places: Float, time_s: Float, constants: Mapping[str, float],
+    effect: Effect, places: Float, time_s: Float, constants: Mapping[str, Any],
     values: Sequence[float],
 ) -> Float:  # fmt: skip
     """Displacement (n, 2) of places (n, 2) seen at times (n,)."""
@@ -201,7 +210,9 @@ def _nuisance_patterns(
     middle = 0.5 * (windows.front_m + windows.back_m)
     reach = np.maximum(np.ptp(middle, axis=0), known.max())
     x, y = ((middle - middle.mean(axis=0)) / reach).T * 2.0
-    groups += [("smooth", known * term, systematic) for term in (1.0, x, y, x * x, x * y, y * y)]
+    session = 2.0 * camera.session - 1.0
+    groups += [("smooth", known * term, systematic)
+               for term in (1.0, x, y, x * x, x * y, y * y, session)]  # fmt: skip
     for name, published in CALIBRATION_ERROR_STD.items():
         own = next(e for e in camera.effects if e.name == name)
         power = unit_dimensions(own.parameters[0].unit)[1]

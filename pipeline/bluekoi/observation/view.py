@@ -21,7 +21,8 @@ class CameraErrorInputs:
     displaced (s). x_shift, y_shift: displacement beside that of the most clearly displaced trial
     (1, as a complex number). ahead: distance of the observed nose from the core's centre (m).
     clock_part: share of an error of the frame rate that the trial has. inward_min, inward_max:
-    range of what refraction can draw in (1); not known where both are 0.
+    range of what refraction can draw in (1); not known where both are 0. session: place of the
+    trial in the session, from 0, the first trial, to 1, the last one.
     """
 
     x_cam: float = 0.0
@@ -39,6 +40,7 @@ class CameraErrorInputs:
     clock_part: float = 1.0
     inward_min: float = 0.0
     inward_max: float = 0.0
+    session: float = 0.5
 
 
 def constant_names() -> tuple[str, ...]:
@@ -46,11 +48,11 @@ def constant_names() -> tuple[str, ...]:
     return tuple(field.name for field in fields(CameraErrorInputs))
 
 
-def camera_error_inputs(setup: StudySettings) -> CameraErrorInputs:
-    """The view of a study's camera."""
+def camera_error_inputs(setup: StudySettings, session: float = 0.5) -> CameraErrorInputs:
+    """The view of a study's camera; session: as in `CameraErrorInputs`."""
     seen = camera_error_constants(setup)
     low, high = seen.inward_shift_range
     return CameraErrorInputs(
         *seen.below_m, seen.bend_1_m2, *seen.lens_m, seen.lens_rest_m2, *seen.lens_pull_m3,
-        inward_min=low, inward_max=high,
+        inward_min=low, inward_max=high, session=session,
     )  # fmt: skip

@@ -49,9 +49,18 @@ def study_series(
 ) -> list[TrialSeries]:
     """A `TrialSeries` for every trial that has a pose, a track and a flapping frequency."""
     before = [0.0, *(trial.head_angle_rad for trial in study.trials)]
+    places = np.linspace(0.0, 1.0, len(study.trials))
     return [
-        trial_series(trial, study.setup, poses[i], tracks[i], flapping[i], angle_before_rad=angle)
-        for trial, angle in zip(study.trials, before, strict=False)
+        trial_series(
+            trial,
+            study.setup,
+            poses[i],
+            tracks[i],
+            flapping[i],
+            angle_before_rad=angle,
+            session=float(place),
+        )
+        for trial, angle, place in zip(study.trials, before, places, strict=False)
         for i in [trial.trial_id]
         if i in poses and i in tracks and i in flapping
     ]
@@ -59,11 +68,11 @@ def study_series(
 
 def trial_series(
     trial: Trial, setup: StudySettings, pose: Pose, track: Track, flapping: FlappingFrequency, *,
-    angle_before_rad: float = 0.0,
+    angle_before_rad: float = 0.0, session: float = 0.5,
 ) -> TrialSeries:  # fmt: skip
     """One trial: poses without the tail-beat recoil, outliers and frames that were hardly seen, and
     what was commanded, from the start of the motor on. angle_before_rad: head angle commanded in
-    the trial before.
+    the trial before. session: place of the trial in the session, from 0 to 1.
 
     The initial state is that of the track, known to `INITIAL_STATE_STD`; at rest, its velocities
     are 0, known to `RESTING_VELOCITY_STD`.
@@ -107,7 +116,7 @@ def trial_series(
             place_m=(start[0], start[1]),
             angle_before_rad=angle_before_rad,
             start_s=-LONG_BEFORE_S if swims else started,
-            view=camera_error_inputs(setup),
+            view=camera_error_inputs(setup, session),
         ),
         seen=seen,
         noise=noise,

@@ -21,7 +21,7 @@ from bluekoi.stages.clock_measurement import with_clock_measurement
 from bluekoi.steady import steady_state
 from bluekoi.study import Study, load_study
 from bluekoi.synthetic.design import StudyDesign
-from bluekoi.tuning import JointFit, trial_series
+from bluekoi.tuning import JointFit, session_places, trial_series
 from validation.tracking_noise import keypoint_study
 
 
@@ -42,7 +42,8 @@ def measure_design(design: StudyDesign, folder: Path) -> MeasuredStudy:
     camera = pool_camera(study.setup)
     out = MeasuredStudy(study, [], {}, {})
     before = [0.0, *(trial.head_angle_rad for trial in study.trials)]
-    for trial, angle in zip(study.trials, before, strict=False):
+    places = session_places(len(study.trials))
+    for trial, angle, place in zip(study.trials, before, places, strict=False):
         found = read_keypoints_of_trial(study.paths(trial)[0], trial, {})
         positions = map_keypoints(camera, found, study.setup.robot.keypoint_depth_m)
         flapping = trial_flapping(study, trial, positions)
@@ -50,7 +51,8 @@ def measure_design(design: StudyDesign, folder: Path) -> MeasuredStudy:
         track = smooth_pose(pose, flapping.flap_hz)
         out.steady[trial.trial_id] = steady_state(track, flapping, trial.head_angle_rad)
         out.flapping[trial.trial_id] = flapping
-        one = trial_series(trial, study.setup, pose, track, flapping, angle_before_rad=angle)
+        one = trial_series(trial, study.setup, pose, track, flapping, angle_before_rad=angle,
+                           session_place=place)  # fmt: skip
         out.series.append(one)
     out.series[:] = with_clock_measurement(out.series, out.flapping)
     return out

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from dataclasses import asdict, replace
 
 import numpy as np
@@ -23,6 +24,7 @@ from bluekoi.measurement import lens_error, scale_error, uncorrected_refraction
 from bluekoi.model import trial_system
 from bluekoi.model.simulation import constants_of_robot_trial
 from bluekoi.observation import camera_error_inputs
+from bluekoi.observation.view import SIDE_ERROR_NAMES
 from bluekoi.study import StudySettings
 from paper_robot import PAPER_SETUP
 
@@ -147,7 +149,7 @@ def test_refraction_left_out_and_a_wrong_depth_move_places_as_their_candidate_sa
     )
     seen = map_to_pool(tilted_camera(index), pixels, DEPTH_M) - GRID_M
     given = named_constants(stated_setup(index=index), ("x_cam", "y_cam", "bend"))
-    given |= {"q": 1.0, "d": 0.0, "session": 0.5}
+    given |= {"q": 1.0, "d": 0.0, "session_place": 0.5}
     assert np.hypot(given["x_cam"] - 1.4, given["y_cam"] - 0.75) < 0.01
     assert (
         unexplained_share(
@@ -204,16 +206,50 @@ def test_corners_that_fit_no_pose_are_seen_from_above_the_middle():
     )
 
 
+@pytest.mark.parametrize("effect", [scale_error, uncorrected_refraction])
+def test_an_error_that_grows_is_absent_in_the_first_trial_and_twice_its_mean_in_the_last(effect):
+    names = ("L_pool", "W_pool", "x_cam", "y_cam", "bend", *SIDE_ERROR_NAMES)
+    known = named_constants(stated_setup(), names) | {"k": 0.01, "q": 1.0, "a": 0.0}
+    asked = inspect.signature(effect.observe).parameters
+
+    def displaced(session_place: float, d: float) -> np.ndarray:
+        given = known | CORE_CENTRE_CONSTANTS | {"session_place": session_place, "d": d}
+        given |= {"x": 0.7, "y": 0.4}
+        return np.array(effect.observe(**{name: given[name] for name in asked}))
+
+    assert displaced(0.0, 1.0) == pytest.approx(0.0)
+    assert displaced(1.0, 1.0) == pytest.approx(2.0 * displaced(0.5, 0.0))
+    assert displaced(0.0, -1.0) == pytest.approx(2.0 * displaced(0.5, 0.0))
+
+
+@pytest.mark.parametrize(("sides", "a"), [((1.04, 1.0), 1.0), ((1.0, 1.04), -1.0)])
+def test_a_side_stated_wrong_changes_the_scale_of_both_and_tilts_the_camera(sides, a):
+    """With a known lens; the places are compared but for a shift, which no motion shows."""
+    true = tilted_camera()
+    pixels = pool_to_pixels(true, np.column_stack([GRID_M, np.full(len(GRID_M), -DEPTH_M)]))
+    stated = pool_rectangle(2.6 * sides[0], 1.6 * sides[1], 0.0)
+    wrong = camera_from_corners(lens_with_k1(), pool_to_pixels(true, CORNERS_M), stated, WATER)
+    seen = map_to_pool(wrong, pixels, DEPTH_M) - GRID_M
+    given = named_constants(stated_setup(), ("L_pool", "W_pool", *SIDE_ERROR_NAMES))
+    given |= {"a": a, "d": 0.0, "session_place": 0.5}
+    found = np.array([scale_error.observe(x, y, **CORE_CENTRE_CONSTANTS, **given, k=0.02)[:2]
+                      for x, y in GRID_M])  # fmt: skip
+    off = seen - found
+    off -= off.mean(axis=0)
+    assert np.abs(off).max() < 0.03 * np.abs(seen - seen.mean(axis=0)).max()
+
+
 @pytest.mark.parametrize(
     ("effect", "names"),
-    [(scale_error, ("L_pool", "W_pool")), (uncorrected_refraction, ("x_cam", "y_cam", "bend")),
+    [(scale_error, ("L_pool", "W_pool", *SIDE_ERROR_NAMES)),
+     (uncorrected_refraction, ("x_cam", "y_cam", "bend")),
      (lens_error, ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens"))],
 )  # fmt: skip
 def test_keypoints_placed_back_from_the_nose_are_displaced_as_the_nose_is(effect, names):
     forms = {
         lens_error: {"q": 1.0, "p_x": 0.01, "p_y": -0.02},
-        scale_error: {"a": 0.3, "d": 0.5, "session": 0.8},
-        uncorrected_refraction: {"q": 0.7, "d": 0.5, "session": 0.8},
+        scale_error: {"a": 0.3, "d": 0.5, "session_place": 0.8},
+        uncorrected_refraction: {"q": 0.7, "d": 0.5, "session_place": 0.8},
     }
     given = named_constants(stated_setup(), names) | {"k": 0.02} | forms.get(effect, {})
     c, s, ahead = np.cos(2.1), np.sin(2.1), 0.15

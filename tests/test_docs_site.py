@@ -12,6 +12,10 @@ import pytest
 
 from browser import PAGE_READY_SCRIPT, Browser, Tab
 
+pytestmark = (
+    pytest.mark.long
+)  # `make docs`, of which `.ci/run` is a part, builds the site and checks links
+
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 SEARCHED = """new Promise((found) => {
   const began = Date.now();

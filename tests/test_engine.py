@@ -40,6 +40,7 @@ from bluekoi.engine.collinear_terms import collinear_terms
 from bluekoi.engine.evidence import (
     laplace_log_evidence,
     log_evidence,
+    log_odds_without_cause,
     most_probable_discrepancy_shares,
 )
 from bluekoi.engine.expansion import expand_likelihood_in_all_forms, one_step_strength_estimates
@@ -397,6 +398,20 @@ def test_a_set_is_at_least_as_likely_as_its_parts() -> None:
     pairs = [(part, whole) for part in likely for whole in likely if part < whole]
     assert pairs
     assert all(likely[whole] > likely[part] - 1.0 for part, whole in pairs)
+
+
+@pytest.mark.parametrize("tolerances", [{}, {"constant_force.F0": 0.02}])
+def test_the_odds_without_a_cause_are_those_of_a_fit_without_it(
+    tolerances: dict[str, float],
+) -> None:
+    problem = replace(driven_mass_problem(driven_mass_trials(0.3, 0.03)), tolerances=tolerances)
+    whole, rest = (
+        score_cause_set(problem, fit_cause_set(problem, causes, problem.noise, {}))
+        for causes in (("quadratic_drag", "constant_force"), ("quadratic_drag",))
+    )
+    found = log_odds_without_cause(problem, whole.expansion, whole.layout, "constant_force")
+    assert found == pytest.approx(rest.log_posterior - whole.log_posterior, abs=0.3)
+    assert abs(rest.log_posterior - whole.log_posterior) > 1.0
 
 
 def test_further_rounds_of_noise_and_parameters_do_not_make_a_set_less_probable() -> None:

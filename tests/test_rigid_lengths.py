@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -21,10 +21,11 @@ from bluekoi.fitting.side_measurements import side_measurement_terms
 from bluekoi.integrate import compile_system, elementwise
 from bluekoi.mismatch.rigid_lengths import effects_that_change_lengths, rigid_length_measurement
 from bluekoi.model import two_plate_system
+from bluekoi.observation import CameraErrorInputs
 
 SYSTEM = two_plate_system()
 CAMERA_ERRORS = ("scale_error", "lens_error", "uncorrected_refraction", "sinking")
-VIEW_CONSTANTS = {
+VIEW_CONSTANTS = asdict(CameraErrorInputs()) | {
     "L_pool": 2.6,
     "W_pool": 1.6,
     "x_cam": 1.3,
@@ -87,7 +88,7 @@ def lengths_with_error(
     moved, session = [], distances.trial / distances.trial.max()
     for end in (distances.front_m, distances.back_m):
         rows = [effect.hooks["observe"](
-                    *[{**known, "x": x, "y": y, "t": t, "session": o}[n] for n in names])[:2]
+                    *[{**known, "x": x, "y": y, "t": t, "session_place": o}[n] for n in names])[:2]
                 for (x, y), t, o in zip(end, distances.time_s, session, strict=True)]  # fmt: skip
         moved.append(end + np.array(rows))
     before = np.linalg.norm(distances.front_m - distances.back_m, axis=1)
@@ -96,9 +97,11 @@ def lengths_with_error(
 
 
 def length_measurement_of(distances: RigidDistances, *, trials: int = 16) -> SharedMeasurement:
+    numbers = np.unique(distances.trial)
     found = rigid_length_measurement(
-        SYSTEM, VIEW_CONSTANTS, window_means(distances), trials=trials, depth_given=True
-    )
+        SYSTEM, VIEW_CONSTANTS, window_means(distances), trials=trials, depth_given=True,
+        session_places=dict(zip(map(int, numbers), numbers / numbers.max(), strict=True)),
+    )  # fmt: skip
     assert found is not None
     return found
 
@@ -123,11 +126,11 @@ def is_strength(name: str) -> bool:
     return name.partition(".")[2] in [p.name for p in effect.parameters[: effect.strengths]]
 
 
-def test_lengths_tell_a_rising_water_level_from_a_wrong_depth() -> None:
-    """The level rises from the stated one, so that the mean shift is half the last one."""
-    rising = lengths_with_error(simulated_lengths(np.random.default_rng(6)),
+def test_lengths_distinguish_a_growing_depth_error_from_a_constant_one() -> None:
+    """The error grows from 0, so that the mean shift is half the last one."""
+    growing = lengths_with_error(simulated_lengths(np.random.default_rng(6)),
                                 "uncorrected_refraction", {"k": 0.01, "d": 1.0})  # fmt: skip
-    found = length_measurement_of(rising)
+    found = length_measurement_of(growing)
     shift, trend = (found.parameters.index(f"uncorrected_refraction.{name}")
                     for name in ("inward_shift", "session_trend"))  # fmt: skip
     values = np.array([0.0 if is_strength(n) else SYSTEM.parameters[SYSTEM.slot[n]].start

@@ -15,9 +15,10 @@ from scipy.optimize import least_squares
 from ..data import Float
 from ..errors import InputError
 from ..study import Camera, Pool, StudySettings
-from .pool_projection import PoolCamera, map_to_pool
+from .pool_projection import PoolCamera, map_to_pool, pool_to_pixels
+from .resection import pool_rectangle
 from .rigid_distances import GEOMETRY_ERROR_FUNCTIONS, CameraGeometry, pixels_of_places
-from .study_camera import pool_camera_from_parts
+from .study_camera import camera_from_corners, pool_camera_from_parts
 
 WATER_INDEX = 1.333
 """Refractive index of water."""
@@ -33,6 +34,13 @@ MIN_LENS_ERROR_DISPLACEMENT_M = 1e-9
 """Displacements below this, m, count as zero."""
 
 
+SIDE_ERROR_STEP = 0.01
+"""Relative error of a side of the pool by which its displacements are differenced."""
+
+SideErrorField = tuple[float, float, float, float]
+"""Numbers (g_x, g_y, b_x, b_y) of `CameraErrorConstants`."""
+
+
 @dataclass(frozen=True)
 class CameraErrorConstants:
     """Numbers that the forms of a camera's errors over a pool depend on.
@@ -41,7 +49,10 @@ class CameraErrorConstants:
     rho (1 + bend rho^2), rho from there. A wrong lens moves p by k ((r^2 - q Q)(p - c) + a), with
     r = |p - c|, q near 1: lens_m is c, lens_rest_m2 is Q (where the pose makes up for it),
     lens_pull_m3 is a. inward_shift_range: the smallest and the largest share by which refraction
-    can draw in what is seen; (0, 0) where the height of the camera is not known.
+    can draw in what is seen; (0, 0) where the height of the camera is not known. A pool stated too
+    long by a share s moves p by s ((g_x X, g_y Y) + (X, Y)(b . (X, Y))), X and Y from the middle of
+    the pool: length_error_field is (g_x, g_y, b_x, b_y), and width_error_field that of a pool
+    stated too wide.
     """
 
     below_m: tuple[float, float]
@@ -50,6 +61,8 @@ class CameraErrorConstants:
     lens_rest_m2: float
     lens_pull_m3: tuple[float, float]
     inward_shift_range: tuple[float, float] = (0.0, 0.0)
+    length_error_field: SideErrorField = (1.0, 0.0, 0.0, 0.0)
+    width_error_field: SideErrorField = (0.0, 1.0, 0.0, 0.0)
 
 
 def camera_error_constants(setup: StudySettings) -> CameraErrorConstants:
@@ -82,6 +95,8 @@ def _constants_of_pool_camera(
             _inward_shift(index, height, depth_m, -highest_m),
             _inward_shift(index, height, depth_m, pool.depth_m),
         ),
+        length_error_field=_side_error_field(camera, given, depth_m, (1.0 + SIDE_ERROR_STEP, 1.0)),
+        width_error_field=_side_error_field(camera, given, depth_m, (1.0, 1.0 + SIDE_ERROR_STEP)),
     )
 
 
@@ -152,6 +167,33 @@ def _lens_displacement_field(
     off = places - np.array(center)
     shape: Float = (np.sum(off**2, axis=1) - rest)[:, None] * off + np.array(pull)
     return shape
+
+
+def _side_error_field(
+    camera: PoolCamera, given: Camera, depth_m: float, factors: tuple[float, float]
+) -> SideErrorField:
+    """Displacements where length and width of the pool are stated with these factors.
+
+    The lens is known, and the pose is fitted to the corners of the wrong rectangle: what is seen
+    keeps its proportions, the camera seems to stand higher or lower, and is tilted where it does
+    not stand over the middle.
+    """
+    (length, width), height = camera.pool_size_m, given.pool_corners_height_m
+    corners_px = pool_to_pixels(camera, pool_rectangle(length, width, height))
+    places = _pool_grid(camera)
+    depths = np.full(len(places), -depth_m)
+    pixels = pool_to_pixels(camera, np.column_stack([places, depths]))
+    assert camera.lens is not None
+    stated = pool_rectangle(length * factors[0], width * factors[1], height)
+    wrong = camera_from_corners(camera.lens, corners_px, stated, camera.refractive_index)
+    moved = (map_to_pool(wrong, pixels, depth_m) - places) / SIDE_ERROR_STEP
+    X, Y = (places - 0.5 * np.array([length, width])).T
+    one, none = np.ones(len(X)), np.zeros(len(X))
+    design = np.vstack([np.column_stack([one, none, X, none, X * X, X * Y]),
+                        np.column_stack([none, one, none, Y, X * Y, Y * Y])])  # fmt: skip
+    found = np.linalg.lstsq(design, moved.T.ravel(), rcond=None)[0]
+    g_x, g_y, b_x, b_y = map(float, found[2:])
+    return g_x, g_y, b_x, b_y
 
 
 def _pool_grid(camera: PoolCamera) -> Float:

@@ -26,12 +26,12 @@ falls inside the bound, the faster the more it pushes, and the integral of this 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.special import erfcx, gammaln, log_ndtr, logsumexp
 
 from ..data import Float
-from ..fitting.joint_fit import regularised_fisher_inverse
 from .expansion import LikelihoodExpansion
 from .problem import CauseSearchProblem
 from .set_columns import (
@@ -212,31 +212,39 @@ def _log_cauchy(values: Float, sizes: Float) -> Float:
     )
 
 
-def log_odds_of_absence(
+def log_odds_without_cause(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns, cause: str
 ) -> float:
-    """Approximate log posterior odds of a fitted set without one of its causes against the set.
+    """Log posterior odds of a fitted set without one of its causes against the set, extrapolated
+    from the expansion about the set, at the shares of its fit.
 
-    The sets are nested, so that the ratio of their evidences is that of the densities of the
-    strengths at 0, posterior over prior (Dickey, Ann. Math. Statist. 42 (1971), 204).
+    Strengths that are known to a tolerance remain, as offsets within it.
     """
-    block = lay.blocks[cause]
-    block = block[~lay.held[block]]
-    free = np.flatnonzero(~lay.held)
-    precision = np.where(lay.included, 0.0, _fitted_precision(problem, expansion, lay))
-    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)] + np.diag(precision)
-    place = np.isin(free, block)
-    cov = regularised_fisher_inverse(H[np.ix_(free, free)])[np.ix_(place, place)]
-    values = lay.at[block]
-    at_zero = -0.5 * (
-        values @ np.linalg.solve(cov, values) + np.linalg.slogdet(2.0 * np.pi * cov)[1]
-    )
-    sizes = lay.sizes[cause]
-    prior = float(_log_cauchy(np.zeros(len(sizes)), sizes))
-    if lay.signed[cause] and len(block):
-        at_zero -= float(log_ndtr(values[0] / np.sqrt(cov[0, 0])))
-        prior += float(np.log(2.0))
-    return float(at_zero - prior - log_prior(problem, [cause]))
+    precision = _fitted_precision(problem, expansion, lay)
+    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
+    g = expansion.gradient.sum(axis=0)[lay.columns]
+    free, tolerances = expansion.model.fit.free, problem.tolerances
+    own = {i for i, f in enumerate(free) if f in problem.by_name[cause].free}
+    tolerated = np.array([i in own and free[i].name in tolerances for i in lay.columns])
+    others = [stds for name, stds in lay.discrepancy.items() if name != cause]
+    none = np.zeros(len(lay.at))
+    alone = (lay.discrepancy.get(cause, none) > 0) & ~np.any([none, *others], axis=0)
+    gone = (np.isin(lay.columns, list(own)) & ~tolerated) | alone
+    precision[tolerated] = [tolerances[free[i].name] ** -2.0 for i in lay.columns[tolerated]]
+    step = np.where(gone, -lay.at, 0.0)
+    place = np.cumsum(~gone) - 1
+    rest = replace(
+        lay, columns=lay.columns[~gone], precision=lay.precision[~gone], at=lay.at[~gone],
+        gaussian=(lay.gaussian | tolerated)[~gone], included=lay.included[~gone],
+        held=(lay.held & ~tolerated)[~gone], discrepancy={},
+        blocks={name: place[block] for name, block in lay.blocks.items() if name != cause},
+    )  # fmt: skip
+    without = _laplace_log_evidences(
+        H[np.ix_(~gone, ~gone)], (g - H @ step)[~gone], rest, precision[None, ~gone]
+    )[0]
+    before = _laplace_log_evidences(H, g, lay, _fitted_precision(problem, expansion, lay)[None])[0]
+    change = float(g @ step - 0.5 * step @ H @ step)
+    return float(change + without - before - log_prior(problem, [cause]))
 
 
 def log_prior(problem: CauseSearchProblem, causes: Sequence[str]) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..integrate.batch import threaded_map
 from .collinear_terms import collinear_terms
-from .evidence import log_odds_of_absence
+from .evidence import log_odds_without_cause
 from .expansion import (
     expand_likelihood,
     expand_likelihood_in_all_forms,
@@ -128,27 +128,28 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
             lambda pair: fits_in_place_of(visited, *pair), found) for one in fits])  # fmt: skip
         fit_causes_in_place_of_residual_terms(visited, best)
         visited.converge()
-        visited.add_side_by_side(_probable_parts(visited))
+        visited.add_side_by_side(_fits_without_one_cause(visited))
         visited.converge()
         _refit_with_shared_noise(visited)
     return visited
 
 
-def _probable_parts(visited: FittedCauseSets) -> list[FitRequest]:
-    """Fits of parts that lack one cause of a probable set, where they may be as probable.
+def _fits_without_one_cause(visited: FittedCauseSets) -> list[FitRequest]:
+    """Fits of sets that lack one cause of a probable set, unless they are expected to be e^20 times
+    less probable than the best set.
 
-    A search that adds causes one by one does not come to a cause that only pays beside another,
-    wrong one.
+    A cause that is first found beside a wrong one is otherwise never fitted alone.
     """
-    least = visited.best.log_posterior - MAX_LOG_ODDS_TO_REFIT_NESTED
+    problem, best = visited.problem, visited.best.log_posterior
+    probable = [one for one in visited.sets.values()
+                if one.log_posterior > best - MAX_LOG_ODDS_TO_REFIT_NESTED]  # fmt: skip
     return [
         FitRequest(tuple(c for c in one.causes if c != cause), one.model)
-        for one in list(visited.sets.values())
+        for one in sorted(probable, key=lambda one: -one.log_posterior)
         for cause in one.causes
-        if one.log_posterior > least and len(one.causes) > 1
-        and one.log_posterior + log_odds_of_absence(
-            visited.problem, one.expansion, one.layout, cause) > least
-    ]  # fmt: skip
+        if one.log_posterior + log_odds_without_cause(problem, one.expansion, one.layout, cause)
+        > best - MAX_LOG_ODDS_TO_REFIT
+    ]
 
 
 def _refit_with_shared_noise(visited: FittedCauseSets) -> None:

@@ -21,9 +21,9 @@ from .series import Noise, TrialSeries
 
 IMPULSE_S = 1e-3
 """Duration over which forces are compared by the change of the velocities."""
-MAX_RMS_FORCE_FRAMES = 128
+MAX_RMS_FORCE_FRAMES = 512
 """Frames, evenly spread over all trials, of which a root mean square force is taken: of independent
-normal forces its standard error is (2 * 128)^-1/2 = 6 %. It scales prior standard deviations that
+normal forces its standard error is (2 * 512)^-1/2 = 3 %. It scales prior standard deviations that
 are known to a factor of three at best."""
 
 

@@ -10,8 +10,8 @@ camera. If its position is `true`, it is measured at
 - b: increase of the relative shift with the distance from c. It is computed from the height of the
   camera and the stated refractive index (camera/error_displacement.py);
 - q: increase over the computed one. It is 1 if only the index or only the depth is wrong;
-- d: trend of the shift over the session, relative to its mean. The water level rises or falls while
-  the pool is filled or leaks. With d = 1, the shift grows from 0 in the first trial;
+- d: trend of the shift over the session, relative to its mean. A robot that takes on water lies
+  deeper from trial to trial. With d = 1, the shift grows from 0 in the first trial;
 - o: place of the trial in the session, from 0 (first) to 1 (last).
 
 Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34 (2012), 51.
@@ -20,6 +20,7 @@ Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34
 from __future__ import annotations
 
 from ..integrate.system import Parameter
+from .scale_error import SESSION_TREND_STD
 
 EFFECT_KIND = "measurement"
 AFFECTED_CHANNELS = ("surge", "sway")
@@ -36,21 +37,22 @@ EFFECT_PARAMETERS = (
     Parameter("bending_ratio", "1", 1.0, 0.0, 3.0,
               "increase with the distance, relative to the computed one", spread=0.5,
               symbol="q"),
-    Parameter("session_trend", "1", 0.0, -2.0, 2.0,
-              "change of the shift over half a session, relative to its mean", spread=0.5,
-              tries=(1.0, -1.0), symbol="d"),
+    Parameter("session_trend", "1", 0.0, -1.0, 1.0,
+              "change of the shift over half a session, relative to its mean",
+              spread=SESSION_TREND_STD, symbol="d"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {
     "wrong depth": {},
-    "rising water level": {"session_trend": 1.0},
+    "growing depth error": {"session_trend": 1.0},
+    "shrinking depth error": {"session_trend": -1.0},
 }
 
 
 def observe(
     x: float, y: float, cpsi: float, spsi: float, x_cam: float, y_cam: float, bend: float,
-    ahead: float, session: float, k: float, q: float, d: float,
+    ahead: float, session_place: float, k: float, q: float, d: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Change of what is seen (m, m, rad, rad); ahead: see `scale_error`."""
     dx, dy = x + ahead * cpsi - x_cam, y + ahead * spsi - y_cam
-    s = -k * (1.0 + d * (2.0 * session - 1.0)) * (1.0 + q * bend * (dx * dx + dy * dy))
+    s = -k * (1.0 + d * (2.0 * session_place - 1.0)) * (1.0 + q * bend * (dx * dx + dy * dy))
     return s * dx, s * dy, 0.0, 0.0

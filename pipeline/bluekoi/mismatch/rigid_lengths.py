@@ -62,16 +62,18 @@ def effects_that_change_lengths(system: System) -> tuple[Effect, ...]:
 def rigid_length_measurement(
     system: System, constants: Mapping[str, float], windows: RigidDistances, *, trials: int,
     depth_given: bool, systematic: float = SYSTEMATIC_LENGTH_ERROR_SHARE,
+    session_places: Mapping[int, float] | None = None,
 ) -> SharedMeasurement | None:  # fmt: skip
     """`SharedMeasurement` of the lengths in `windows`; None where too few were seen.
 
     constants: of the study's view. trials: how many share it. systematic: relative error of the
-    detector that is the same in all trials.
+    detector that is the same in all trials, and by which it may change over the session.
+    session_places: number of a trial -> its place in the session (`CameraErrorInputs`); without,
+    all trials have the place of the constants.
     """
-    last_trial = float(np.max(windows.trial, initial=0.0))
     windows = _windows_of_max_trials(windows)
     effects = effects_that_change_lengths(system)
-    camera = _LengthExcess(effects, dict(constants), windows, last_trial)
+    camera = _LengthExcess(effects, dict(constants), windows, session_places or {})
     patterns = camera.patterns()
     if len(windows.excess_m) <= 2 * patterns.shape[1]:
         return None
@@ -109,12 +111,12 @@ def _windows_of_max_trials(windows: RigidDistances) -> RigidDistances:
 
 @dataclass(frozen=True)
 class _LengthExcess:
-    """Excess of lengths by each effect; last_trial: number of the session's last trial."""
+    """Excess of lengths by each effect; session_places: number of a trial -> its place."""
 
     effects: tuple[Effect, ...]
     constants: Mapping[str, float]
     windows: RigidDistances
-    last_trial: float
+    session_places: Mapping[int, float]
 
     def excess(self, effect: Effect, values: Sequence[float]) -> Float:
         """Excess (n,) of the lengths, m, by an effect: difference of the ends' displacements along
@@ -127,15 +129,16 @@ class _LengthExcess:
         along = w.front_m - w.back_m
         along = along / np.linalg.norm(along, axis=1)[:, None]
         middle, half = 0.5 * (w.front_m + w.back_m), 0.5 * w.known_m[:, None] * along
-        known = {**self.constants, "session": self.session}
+        known = {**self.constants, "session_place": self.places()}
         front, back = (_observed_displacement_m(effect, end, w.time_s, known, values)
                        for end in (middle + half, middle - half))  # fmt: skip
         return np.asarray(np.sum((front - back) * along, axis=1))
 
-    @property
-    def session(self) -> Float:
+    def places(self) -> Float:
         """Place (n,) of each length's trial in the session, from 0 to 1."""
-        return self.windows.trial / max(self.last_trial, 1.0)
+        default = self.constants["session_place"]
+        return np.array([self.session_places.get(int(t), default)
+                         for t in self.windows.trial.round()])  # fmt: skip
 
     def patterns(self) -> Float:
         """Excess (n, m) by each strength at its prior standard deviation, for the leading form and
@@ -210,9 +213,9 @@ def _nuisance_patterns(
     middle = 0.5 * (windows.front_m + windows.back_m)
     reach = np.maximum(np.ptp(middle, axis=0), known.max())
     x, y = ((middle - middle.mean(axis=0)) / reach).T * 2.0
-    session = 2.0 * camera.session - 1.0
+    trend = 2.0 * camera.places() - 1.0
     groups += [("smooth", known * term, systematic)
-               for term in (1.0, x, y, x * x, x * y, y * y, session)]  # fmt: skip
+               for term in (1.0, x, y, x * x, x * y, y * y, trend)]  # fmt: skip
     for name, published in CALIBRATION_ERROR_STD.items():
         own = next(e for e in camera.effects if e.name == name)
         power = unit_dimensions(own.parameters[0].unit)[1]

@@ -9,6 +9,11 @@ from ..study import StudySettings
 
 TIME_OF_NO_CAMERA_SHIFT_S = 1e9
 """Time of a displacement of the camera that never comes, s."""
+SIDE_ERROR_NAMES = (
+    "length_to_x", "length_to_y", "length_tilt_x", "length_tilt_y",
+    "width_to_x", "width_to_y", "width_tilt_x", "width_tilt_y",
+)  # fmt: skip
+"""Constants of a view that an error of the pool's length or width depends on."""
 
 
 @dataclass(frozen=True)
@@ -21,8 +26,10 @@ class CameraErrorInputs:
     displaced (s). x_shift, y_shift: displacement beside that of the most clearly displaced trial
     (1, as a complex number). ahead: distance of the observed nose from the core's centre (m).
     clock_part: share of an error of the frame rate that the trial has. inward_min, inward_max:
-    range of what refraction can draw in (1); not known where both are 0. session: place of the
-    trial in the session, from 0, the first trial, to 1, the last one.
+    range of what refraction can draw in (1); not known where both are 0. session_place: place of
+    the trial in the session, from 0, the first one, to 1, the last. length_to_x, length_to_y (1),
+    length_tilt_x, length_tilt_y (1/m), and the same of the width: `length_error_field` and
+    `width_error_field` of `camera.error_displacement.CameraErrorConstants`.
     """
 
     x_cam: float = 0.0
@@ -40,7 +47,15 @@ class CameraErrorInputs:
     clock_part: float = 1.0
     inward_min: float = 0.0
     inward_max: float = 0.0
-    session: float = 0.5
+    session_place: float = 0.5
+    length_to_x: float = 1.0
+    length_to_y: float = 0.0
+    length_tilt_x: float = 0.0
+    length_tilt_y: float = 0.0
+    width_to_x: float = 0.0
+    width_to_y: float = 1.0
+    width_tilt_x: float = 0.0
+    width_tilt_y: float = 0.0
 
 
 def constant_names() -> tuple[str, ...]:
@@ -48,11 +63,13 @@ def constant_names() -> tuple[str, ...]:
     return tuple(field.name for field in fields(CameraErrorInputs))
 
 
-def camera_error_inputs(setup: StudySettings, session: float = 0.5) -> CameraErrorInputs:
-    """The view of a study's camera; session: as in `CameraErrorInputs`."""
+def camera_error_inputs(setup: StudySettings, session_place: float = 0.5) -> CameraErrorInputs:
+    """The view of a study's camera; session_place: as in `CameraErrorInputs`."""
     seen = camera_error_constants(setup)
     low, high = seen.inward_shift_range
     return CameraErrorInputs(
         *seen.below_m, seen.bend_1_m2, *seen.lens_m, seen.lens_rest_m2, *seen.lens_pull_m3,
-        inward_min=low, inward_max=high, session=session,
+        inward_min=low, inward_max=high, session_place=session_place,
+        **dict(zip(SIDE_ERROR_NAMES, (*seen.length_error_field, *seen.width_error_field),
+                   strict=True)),
     )  # fmt: skip

@@ -28,7 +28,7 @@ from ..model import robot_system, two_plate_system
 from ..motor import log_lead_from_beat_phases
 from ..study import Study, StudySettings, load_study
 from ..study.data_split import held_out_trials
-from ..tuning import downsampled, trial_kernel
+from ..tuning import downsampled, session_places, trial_kernel
 from .clock_factor import correct_clock, with_clock_cause
 from .clock_measurement import with_clock_measurement
 from .compiling import precompile_model_with_effects as preload
@@ -63,7 +63,12 @@ def mismatch(study: Path, results: Path) -> None:
     series = with_frequency_drift(series, flapping, fitted=fitted)
     left_out = contradicted_trials(campaign, flapping)
     series = with_rigid_length_measurement(
-        series, campaign.geometry or {}, loaded.setup, fitted=fitted, left_out=left_out.keys()
+        series,
+        campaign.geometry or {},
+        loaded.setup,
+        fitted=fitted,
+        left_out=left_out.keys(),
+        order=[trial.trial_id for trial in loaded.trials],
     )
     series = with_keypoint_distances_from_nose(series, loaded, ResultPaths(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=stage_logger.info)
@@ -128,17 +133,20 @@ def with_motor_log_delay_evidence(
 
 def with_rigid_length_measurement(
     series: Sequence[TrialSeries], geometry: Mapping[str, Any], setup: StudySettings, *,
-    fitted: int | None = None, left_out: Collection[str] = (),
+    fitted: int | None = None, left_out: Collection[str] = (), order: Sequence[str] = (),
 ) -> list[TrialSeries]:  # fmt: skip
     """Series with what rigid lengths say of errors of the camera, measured once for all trials.
 
     fitted: trials that are not held out, whose shares make up the measurement. left_out: trials
-    whose lengths have no part in it.
+    whose lengths have no part in it. order: names of all trials in the order of filming.
     """
     if not (series and geometry.get("windows")):
         return list(series)
     by_trial = geometry.get("by_trial") or {}
     numbers = [by_trial[i]["number"] for i in left_out if "number" in by_trial.get(i, {})]
+    places = {by_trial[name]["number"]: float(place)
+              for name, place in zip(order, session_places(len(order)), strict=True)
+              if "number" in by_trial.get(name, {})}  # fmt: skip
     windows = windows_of_other_trials(windows_from_columns(geometry["windows"]), numbers)
     system, camera = robot_system(setup.robot), setup.camera
     by_homography = camera is not None and camera.matrix is None
@@ -146,7 +154,7 @@ def with_rigid_length_measurement(
         system, dict(zip(system.constants, series[0].constants, strict=True)),
         windows, trials=max(fitted or len(series), 1),
         depth_given=setup.robot.depth_given and not by_homography,
-        systematic=_detector_error_share(geometry),
+        systematic=_detector_error_share(geometry), session_places=places,
     )  # fmt: skip
     return [replace(s, shared=shared) for s in series]
 

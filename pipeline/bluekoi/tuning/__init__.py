@@ -6,6 +6,7 @@ from .results import coefficients_json_and_fit, simulation_columns_by_trial, tab
 from .series import (
     HEAD_ANGLE_STD_RAD,
     downsampled_with_head_angle_changes,
+    session_places,
     study_series,
     trial_series,
 )

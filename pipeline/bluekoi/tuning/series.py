@@ -49,7 +49,7 @@ def study_series(
 ) -> list[TrialSeries]:
     """A `TrialSeries` for every trial that has a pose, a track and a flapping frequency."""
     before = [0.0, *(trial.head_angle_rad for trial in study.trials)]
-    places = np.linspace(0.0, 1.0, len(study.trials))
+    places = session_places(len(study.trials))
     return [
         trial_series(
             trial,
@@ -58,7 +58,7 @@ def study_series(
             tracks[i],
             flapping[i],
             angle_before_rad=angle,
-            session=float(place),
+            session_place=float(place),
         )
         for trial, angle, place in zip(study.trials, before, places, strict=False)
         for i in [trial.trial_id]
@@ -66,13 +66,18 @@ def study_series(
     ]
 
 
+def session_places(trials: int) -> Float:
+    """Place (trials,) of each trial of a session, from 0, the first, to 1; 0.5 of a single one."""
+    return np.linspace(0.0, 1.0, trials) if trials > 1 else np.full(trials, 0.5)
+
+
 def trial_series(
     trial: Trial, setup: StudySettings, pose: Pose, track: Track, flapping: FlappingFrequency, *,
-    angle_before_rad: float = 0.0, session: float = 0.5,
+    angle_before_rad: float = 0.0, session_place: float = 0.5,
 ) -> TrialSeries:  # fmt: skip
     """One trial: poses without the tail-beat recoil, outliers and frames that were hardly seen, and
     what was commanded, from the start of the motor on. angle_before_rad: head angle commanded in
-    the trial before. session: place of the trial in the session, from 0 to 1.
+    the trial before. session_place: place of the trial in the session, from 0 to 1.
 
     The initial state is that of the track, known to `INITIAL_STATE_STD`; at rest, its velocities
     are 0, known to `RESTING_VELOCITY_STD`.
@@ -116,7 +121,7 @@ def trial_series(
             place_m=(start[0], start[1]),
             angle_before_rad=angle_before_rad,
             start_s=-LONG_BEFORE_S if swims else started,
-            view=camera_error_inputs(setup, session),
+            view=camera_error_inputs(setup, session_place),
         ),
         seen=seen,
         noise=noise,

@@ -81,6 +81,7 @@ def _verify_on_all_trials(problem: CauseSearchProblem, few: FittedCauseSets) -> 
         if len(best.causes) < problem.most_causes:
             visited.add_side_by_side(fits_of_further_causes(visited, best, MIN_REFITS_PER_SET))
         visited.add_side_by_side([FitRequest(rest, best.model) for rest in _lacking_one(best)])
+        visited.add_side_by_side(_fits_without_one_cause(visited))
         visited.converge()
     return visited
 

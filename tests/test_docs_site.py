@@ -12,9 +12,8 @@ import pytest
 
 from browser import PAGE_READY_SCRIPT, Browser, Tab
 
-pytestmark = (
-    pytest.mark.long
-)  # `make docs`, of which `.ci/run` is a part, builds the site and checks links
+# `.ci/run` builds the site and checks its links by `make docs`
+pytestmark = pytest.mark.long
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 SEARCHED = """new Promise((found) => {

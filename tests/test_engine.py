@@ -40,7 +40,6 @@ from bluekoi.engine.collinear_terms import collinear_terms
 from bluekoi.engine.evidence import (
     laplace_log_evidence,
     log_evidence,
-    log_odds_without_cause,
     most_probable_discrepancy_shares,
 )
 from bluekoi.engine.expansion import expand_likelihood_in_all_forms, one_step_strength_estimates
@@ -58,6 +57,7 @@ from bluekoi.engine.proposals import (
     fits_in_place_of,
 )
 from bluekoi.engine.refit import refit_from_fitted_values
+from bluekoi.engine.removed_cause import log_odds_without_cause
 from bluekoi.engine.set_columns import CauseSetColumns
 from bluekoi.engine.set_score import (
     MAX_LOG_STD_CHANGE,

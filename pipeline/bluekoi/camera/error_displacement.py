@@ -16,7 +16,6 @@ from ..data import Float
 from ..errors import InputError
 from ..study import Camera, Pool, StudySettings
 from .pool_projection import PoolCamera, map_to_pool, pool_to_pixels
-from .resection import pool_rectangle
 from .rigid_distances import GEOMETRY_ERROR_FUNCTIONS, CameraGeometry, pixels_of_places
 from .study_camera import camera_from_corners, pool_camera_from_parts
 
@@ -32,8 +31,6 @@ GRID_MARGIN_TO_WALL_M = 0.08
 """Distance of the outermost points from the walls."""
 MIN_LENS_ERROR_DISPLACEMENT_M = 1e-9
 """Displacements below this, m, count as zero."""
-
-
 SIDE_ERROR_STEP = 0.01
 """Relative error of a side of the pool by which its displacements are differenced."""
 
@@ -95,8 +92,8 @@ def _constants_of_pool_camera(
             _inward_shift(index, height, depth_m, -highest_m),
             _inward_shift(index, height, depth_m, pool.depth_m),
         ),
-        length_error_field=_side_error_field(camera, given, depth_m, (1.0 + SIDE_ERROR_STEP, 1.0)),
-        width_error_field=_side_error_field(camera, given, depth_m, (1.0, 1.0 + SIDE_ERROR_STEP)),
+        length_error_field=_side_error_field(camera, depth_m, side=0),
+        width_error_field=_side_error_field(camera, depth_m, side=1),
     )
 
 
@@ -169,25 +166,22 @@ def _lens_displacement_field(
     return shape
 
 
-def _side_error_field(
-    camera: PoolCamera, given: Camera, depth_m: float, factors: tuple[float, float]
-) -> SideErrorField:
-    """Displacements where length and width of the pool are stated with these factors.
+def _side_error_field(camera: PoolCamera, depth_m: float, side: int) -> SideErrorField:
+    """Displacements by an error of one side of the pool: 0 its length, 1 its width.
 
     The lens is known, and the pose is fitted to the corners of the wrong rectangle: what is seen
     keeps its proportions, the camera seems to stand higher or lower, and is tilted where it does
     not stand over the middle.
     """
-    (length, width), height = camera.pool_size_m, given.pool_corners_height_m
-    corners_px = pool_to_pixels(camera, pool_rectangle(length, width, height))
-    places = _pool_grid(camera)
-    depths = np.full(len(places), -depth_m)
-    pixels = pool_to_pixels(camera, np.column_stack([places, depths]))
     assert camera.lens is not None
-    stated = pool_rectangle(length * factors[0], width * factors[1], height)
-    wrong = camera_from_corners(camera.lens, corners_px, stated, camera.refractive_index)
+    places = _pool_grid(camera)
+    pixels = pixels_of_places(CameraGeometry(camera, depth_m), places)
+    factors = np.ones(3)
+    factors[side] += SIDE_ERROR_STEP
+    wrong = camera_from_corners(camera.lens, pool_to_pixels(camera, camera.corners_m),
+                                camera.corners_m * factors, camera.refractive_index)  # fmt: skip
     moved = (map_to_pool(wrong, pixels, depth_m) - places) / SIDE_ERROR_STEP
-    X, Y = (places - 0.5 * np.array([length, width])).T
+    X, Y = (places - 0.5 * np.array(camera.pool_size_m)).T
     one, none = np.ones(len(X)), np.zeros(len(X))
     design = np.vstack([np.column_stack([one, none, X, none, X * X, X * Y]),
                         np.column_stack([none, one, none, Y, X * Y, Y * Y])])  # fmt: skip

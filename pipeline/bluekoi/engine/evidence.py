@@ -26,7 +26,6 @@ falls inside the bound, the faster the more it pushes, and the integral of this 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 from scipy.special import erfcx, gammaln, log_ndtr, logsumexp
@@ -65,12 +64,12 @@ def log_evidence(
     combinations = discrepancy_share_combinations(lay)
     given = precisions_at_discrepancy_shares(lay, combinations)
     values = _log_evidences(
-        expansion, lay, np.vstack([given, _fitted_precision(problem, expansion, lay)])
+        expansion, lay, np.vstack([given, fitted_precision(problem, expansion, lay)])
     )
     return float(logsumexp(np.minimum(values[:-1], values[-1])) - np.log(len(combinations)))
 
 
-def _fitted_precision(
+def fitted_precision(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns
 ) -> Float:
     """Prior precision (p,) of the columns under which the set was fitted; of a discrepancy that was
@@ -105,6 +104,15 @@ def most_probable_discrepancy_shares(
     return max(zip(values.tolist(), every, strict=True), key=lambda both: both[0])[1]
 
 
+def information_and_slope(
+    expansion: LikelihoodExpansion, lay: CauseSetColumns
+) -> tuple[Float, Float]:
+    """Information (p, p) and gradient (p,) of the likelihood of all trials in a set's columns."""
+    columns = lay.columns
+    H, g = expansion.hessian.sum(axis=0), expansion.gradient.sum(axis=0)
+    return H[np.ix_(columns, columns)], g[columns]
+
+
 def laplace_log_evidence(H: Float, g: Float, lay: CauseSetColumns) -> float:
     """What the numbers of a set add to the log likelihood: best step, Occam factor and priors.
 
@@ -115,8 +123,7 @@ def laplace_log_evidence(H: Float, g: Float, lay: CauseSetColumns) -> float:
 
 def _log_evidences(expansion: LikelihoodExpansion, lay: CauseSetColumns, given: Float) -> Float:
     """Log m(S) (n,) of a set with each of the prior precisions (n, p) of its columns."""
-    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
-    g = expansion.gradient.sum(axis=0)[lay.columns]
+    H, g = information_and_slope(expansion, lay)
     found = [_laplace_log_evidences(H, g, lay, given[k : k + MATRICES_AT_ONCE])
              for k in range(0, len(given), MATRICES_AT_ONCE)]  # fmt: skip
     return np.asarray(expansion.log_likelihood.sum() + np.concatenate(found))
@@ -212,41 +219,6 @@ def _log_cauchy(values: Float, sizes: Float) -> Float:
     )
 
 
-def log_odds_without_cause(
-    problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns, cause: str
-) -> float:
-    """Log posterior odds of a fitted set without one of its causes against the set, extrapolated
-    from the expansion about the set, at the shares of its fit.
-
-    Strengths that are known to a tolerance remain, as offsets within it.
-    """
-    precision = _fitted_precision(problem, expansion, lay)
-    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
-    g = expansion.gradient.sum(axis=0)[lay.columns]
-    free, tolerances = expansion.model.fit.free, problem.tolerances
-    own = {i for i, f in enumerate(free) if f in problem.by_name[cause].free}
-    tolerated = np.array([i in own and free[i].name in tolerances for i in lay.columns])
-    others = [stds for name, stds in lay.discrepancy.items() if name != cause]
-    none = np.zeros(len(lay.at))
-    alone = (lay.discrepancy.get(cause, none) > 0) & ~np.any([none, *others], axis=0)
-    gone = (np.isin(lay.columns, list(own)) & ~tolerated) | alone
-    precision[tolerated] = [tolerances[free[i].name] ** -2.0 for i in lay.columns[tolerated]]
-    step = np.where(gone, -lay.at, 0.0)
-    place = np.cumsum(~gone) - 1
-    rest = replace(
-        lay, columns=lay.columns[~gone], precision=lay.precision[~gone], at=lay.at[~gone],
-        gaussian=(lay.gaussian | tolerated)[~gone], included=lay.included[~gone],
-        held=(lay.held & ~tolerated)[~gone], discrepancy={},
-        blocks={name: place[block] for name, block in lay.blocks.items() if name != cause},
-    )  # fmt: skip
-    without = _laplace_log_evidences(
-        H[np.ix_(~gone, ~gone)], (g - H @ step)[~gone], rest, precision[None, ~gone]
-    )[0]
-    before = _laplace_log_evidences(H, g, lay, _fitted_precision(problem, expansion, lay)[None])[0]
-    change = float(g @ step - 0.5 * step @ H @ step)
-    return float(change + without - before - log_prior(problem, [cause]))
-
-
 def log_prior(problem: CauseSearchProblem, causes: Sequence[str]) -> float:
     """Log prior probability of a set, relative to that of no cause."""
     odds = [problem.by_name[c].prior / (1.0 - problem.by_name[c].prior) for c in causes]
@@ -262,8 +234,7 @@ def most_probable_discrepancy(
     """Label -> most probable value of a residual term as a discrepancy of the set's causes, or of
     an offset within its tolerance, and its prior standard deviation at these shares.
     """
-    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
-    g = expansion.gradient.sum(axis=0)[lay.columns]
+    H, g = information_and_slope(expansion, lay)
     given = precisions_at_discrepancy_shares(lay, [shares])[0]
     precision = np.where(lay.included, 0.0, given)
     prior = np.where(lay.gaussian & ~lay.included, lay.at, 0.0)

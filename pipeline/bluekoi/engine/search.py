@@ -2,7 +2,8 @@
 
 Around the most probable set so far, the second-order expansion scores every further cause; the best
 are refitted, with all their functional forms and their own noise; so are the sets that lack one of
-the causes, and around these again the best replacements. The search ends where none of this finds
+the causes, and around these again the best replacements. Other probable sets are fitted without one
+of their causes, where the expansion does not exclude that. The search ends where none of this finds
 a more probable set. (Shotgun stochastic search without the dice: Hans, Dobra and West, JASA 102
 (2007), 507.) Of a large study the search uses the trials that say most; the probable sets are then
 fitted to all trials, and what the expansion about the best adds there.
@@ -17,7 +18,6 @@ import numpy as np
 
 from ..integrate.batch import threaded_map
 from .collinear_terms import collinear_terms
-from .evidence import log_odds_without_cause
 from .expansion import (
     expand_likelihood,
     expand_likelihood_in_all_forms,
@@ -39,6 +39,7 @@ from .proposals import (
     fits_of_further_causes,
 )
 from .refit import FittedCauseSet, refit_from_fitted_values
+from .removed_cause import log_odds_without_cause
 from .residual_magnitudes import plausible_residual_magnitudes
 from .set_score import ScoredCauseSet, refit_with_discrepancy, score_cause_set, with_own_noise
 from .subset import d_optimal_trial_subset
@@ -145,10 +146,11 @@ def _fits_without_one_cause(visited: FittedCauseSets) -> list[FitRequest]:
     probable = [one for one in visited.sets.values()
                 if one.log_posterior > best - MAX_LOG_ODDS_TO_REFIT_NESTED]  # fmt: skip
     return [
-        FitRequest(tuple(c for c in one.causes if c != cause), one.model)
+        FitRequest(rest, one.model)
         for one in sorted(probable, key=lambda one: -one.log_posterior)
-        for cause in one.causes
-        if one.log_posterior + log_odds_without_cause(problem, one.expansion, one.layout, cause)
+        for cause, rest in zip(one.causes, _lacking_one(one), strict=True)
+        if frozenset(rest) not in visited.sets
+        and one.log_posterior + log_odds_without_cause(problem, one.expansion, one.layout, cause)
         > best - MAX_LOG_ODDS_TO_REFIT
     ]
 

@@ -26,6 +26,7 @@ Source: own statement (pool dimensions or corner marks wrong).
 from __future__ import annotations
 
 from ..integrate.system import Parameter
+from . import SESSION_TREND_STD
 
 EFFECT_KIND = "measurement"
 AFFECTED_CHANNELS = ("surge", "sway")
@@ -34,9 +35,6 @@ EFFECT_DESCRIPTION = (
 )
 MOST_VISIBLE_WHERE = "all positions, in proportion"
 CONFUSED_WITH = ("uncorrected_refraction", "clock_error")
-SESSION_TREND_STD = 0.5
-"""ASSUME errors of scale and depth that grow from 0 to twice their mean, or the reverse, are
-extreme cases, two prior standard deviations off a constant error."""
 EFFECT_PARAMETERS = (
     Parameter("length_error", "1", 0.01, -0.3, 0.3, "share by which lengths are observed too long",
               symbol="k"),

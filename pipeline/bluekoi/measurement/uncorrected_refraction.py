@@ -20,7 +20,7 @@ Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34
 from __future__ import annotations
 
 from ..integrate.system import Parameter
-from .scale_error import SESSION_TREND_STD
+from . import SESSION_TREND_STD
 
 EFFECT_KIND = "measurement"
 AFFECTED_CHANNELS = ("surge", "sway")

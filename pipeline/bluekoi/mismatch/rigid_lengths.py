@@ -20,7 +20,6 @@ import inspect
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -73,7 +72,9 @@ def rigid_length_measurement(
     """
     windows = _windows_of_max_trials(windows)
     effects = effects_that_change_lengths(system)
-    camera = _LengthExcess(effects, dict(constants), windows, session_places or {})
+    places = session_places or {}
+    each = [places.get(int(t), constants["session_place"]) for t in windows.trial.round()]
+    camera = _LengthExcess(effects, {**constants, "session_place": np.array(each)}, windows)
     patterns = camera.patterns()
     if len(windows.excess_m) <= 2 * patterns.shape[1]:
         return None
@@ -111,12 +112,14 @@ def _windows_of_max_trials(windows: RigidDistances) -> RigidDistances:
 
 @dataclass(frozen=True)
 class _LengthExcess:
-    """Excess of lengths by each effect; session_places: number of a trial -> its place."""
+    """Excess of lengths by each effect.
+
+    constants: of the view, one number or (n,) numbers, one for each length.
+    """
 
     effects: tuple[Effect, ...]
-    constants: Mapping[str, float]
+    constants: Mapping[str, float | Float]
     windows: RigidDistances
-    session_places: Mapping[int, float]
 
     def excess(self, effect: Effect, values: Sequence[float]) -> Float:
         """Excess (n,) of the lengths, m, by an effect: difference of the ends' displacements along
@@ -129,16 +132,9 @@ class _LengthExcess:
         along = w.front_m - w.back_m
         along = along / np.linalg.norm(along, axis=1)[:, None]
         middle, half = 0.5 * (w.front_m + w.back_m), 0.5 * w.known_m[:, None] * along
-        known = {**self.constants, "session_place": self.places()}
-        front, back = (_observed_displacement_m(effect, end, w.time_s, known, values)
+        front, back = (_observed_displacement_m(effect, end, w.time_s, self.constants, values)
                        for end in (middle + half, middle - half))  # fmt: skip
         return np.asarray(np.sum((front - back) * along, axis=1))
-
-    def places(self) -> Float:
-        """Place (n,) of each length's trial in the session, from 0 to 1."""
-        default = self.constants["session_place"]
-        return np.array([self.session_places.get(int(t), default)
-                         for t in self.windows.trial.round()])  # fmt: skip
 
     def patterns(self) -> Float:
         """Excess (n, m) by each strength at its prior standard deviation, for the leading form and
@@ -167,7 +163,7 @@ def _tried_shape_values(effect: Effect) -> list[tuple[float, ...]]:
 
 
 def _observed_displacement_m(
-    effect: Effect, places: Float, time_s: Float, constants: Mapping[str, Any],
+    effect: Effect, places: Float, time_s: Float, constants: Mapping[str, float | Float],
     values: Sequence[float],
 ) -> Float:  # fmt: skip
     """Displacement (n, 2) of places (n, 2) seen at times (n,)."""
@@ -213,13 +209,13 @@ def _nuisance_patterns(
     middle = 0.5 * (windows.front_m + windows.back_m)
     reach = np.maximum(np.ptp(middle, axis=0), known.max())
     x, y = ((middle - middle.mean(axis=0)) / reach).T * 2.0
-    trend = 2.0 * camera.places() - 1.0
+    trend = 2.0 * camera.constants["session_place"] - 1.0
     groups += [("smooth", known * term, systematic)
                for term in (1.0, x, y, x * x, x * y, y * y, trend)]  # fmt: skip
     for name, published in CALIBRATION_ERROR_STD.items():
         own = next(e for e in camera.effects if e.name == name)
         power = unit_dimensions(own.parameters[0].unit)[1]
-        size = published * camera.constants["length_unit"] ** power
+        size = published * float(camera.constants["length_unit"]) ** power
         known_depth = depth_given or name != "uncorrected_refraction"
         std = size if known_depth else UNKNOWN_DEPTH_SCALE_ERROR_STD
         unit = (1.0, *np.zeros(own.strengths - 1), *_tried_shape_values(own)[0])

@@ -63,13 +63,9 @@ def mismatch(study: Path, results: Path) -> None:
     series = with_frequency_drift(series, flapping, fitted=fitted)
     left_out = contradicted_trials(campaign, flapping)
     series = with_rigid_length_measurement(
-        series,
-        campaign.geometry or {},
-        loaded.setup,
-        fitted=fitted,
-        left_out=left_out.keys(),
+        series, campaign.geometry or {}, loaded.setup, fitted=fitted, left_out=left_out.keys(),
         order=[trial.trial_id for trial in loaded.trials],
-    )
+    )  # fmt: skip
     series = with_keypoint_distances_from_nose(series, loaded, ResultPaths(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=stage_logger.info)
     kernel = trial_kernel(series)

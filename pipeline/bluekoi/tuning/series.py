@@ -51,19 +51,12 @@ def study_series(
     before = [0.0, *(trial.head_angle_rad for trial in study.trials)]
     places = session_places(len(study.trials))
     return [
-        trial_series(
-            trial,
-            study.setup,
-            poses[i],
-            tracks[i],
-            flapping[i],
-            angle_before_rad=angle,
-            session_place=float(place),
-        )
+        trial_series(trial, study.setup, poses[i], tracks[i], flapping[i], angle_before_rad=angle,
+                     session_place=float(place))
         for trial, angle, place in zip(study.trials, before, places, strict=False)
         for i in [trial.trial_id]
         if i in poses and i in tracks and i in flapping
-    ]
+    ]  # fmt: skip
 
 
 def session_places(trials: int) -> Float:

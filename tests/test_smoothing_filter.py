@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from planar_models import PLANAR_NOISE, planar_model
 from scipy.linalg import expm
 
 from bluekoi.data import BoolNDArray
@@ -16,29 +17,12 @@ from bluekoi.smoothing.kalman_filterpy import (
     filter_and_smooth,
 )
 from bluekoi.smoothing.linear_gaussian import LinearGaussianModel, SmoothedStates
-from bluekoi.smoothing.motion import heading_matrices, planar_matrices, planar_observation_matrix
+from bluekoi.smoothing.motion import heading_matrices, planar_matrices
 from bluekoi.smoothing.nominal_motion import nominal_motion_without_onset, rough_speed
 from bluekoi.smoothing.quasi_newton import minimise
-from exact_motions import CameraConditions, circle, frame_times, observed_pose, start_from_rest
+from exact_motions import CameraConditions, frame_times, observed_pose, start_from_rest
 
 NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 1e-5, 20.0, 0.5])
-PLANAR_NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 0.3, 1e-5, 2e-6, 20.0, 0.5])
-
-
-def planar_model(recoil: bool) -> tuple[LinearGaussianModel, np.ndarray]:
-    """A planar chain with a lively noise, gaps among its measurements."""
-    hz = 2.37 if recoil else 0.0
-    truth = circle(frame_times(60))
-    pose = observed_pose(truth, np.random.default_rng(1), CameraConditions(gap_s=(0.8, 1.1)))
-    dt = np.diff(pose.time_s, prepend=pose.time_s[0])
-    course = np.column_stack([np.exp(-pose.time_s), np.tile([0.7, 1e-4], (60, 1))])
-    F, Q = planar_matrices(PLANAR_NOISE, dt, hz, course, truth.heading)
-    d = F.shape[1]
-    used = np.isfinite(pose.values[:, 0])
-    z = np.where(used[:, None], pose.values[:, :2], 0.0)
-    H = planar_observation_matrix(truth.heading, hz)
-    P0 = np.diag([1.0] * 2 + [0.3] * 4 + [1e-5] * (d - 6))
-    return LinearGaussianModel(F, Q, H, pose.cov[:, :2, :2], z, np.zeros(d), P0), used
 
 
 def filterpy_smoother(model: LinearGaussianModel, used: BoolNDArray) -> SmoothedStates:
@@ -240,7 +224,8 @@ def test_descent_finds_the_minimum_of_a_narrow_bowl():
 
     def cost(at):
         away = at - middle
-        return 7.0 + away @ bowl @ away + 0.5 * away[2] ** 4
+        value = 7.0 + away @ bowl @ away + 0.5 * away[2] ** 4
+        return value, lambda: 2.0 * bowl @ away + [0.0, 0.0, 2.0 * away[2] ** 3]
 
     place, value = minimise(cost, np.array([4.0, 4.0, -4.0]), enough=1e-3, steps=60)
     assert place == pytest.approx(middle, abs=0.05)

@@ -8,6 +8,8 @@ Sources: Bierman, Automatica 9 (1973) 503; Kailath, Sayed, Hassibi, Linear Estim
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..data import BoolNDArray, Float
@@ -15,6 +17,27 @@ from ..vector_width import njit
 from .linear_gaussian import LinearGaussianModel, SmoothedStates
 
 LOG_2_PI = float(np.log(2 * np.pi))
+
+
+@dataclass(frozen=True)
+class FilterPass:
+    """A pass of the filter over n times: cost as `minus_two_log_likelihood`, and of each time the
+    squared normalised innovation (n,), mean (n, d) and covariance (n, d, d) before the measurement,
+    S^-1 (n, p, p) and innovation y (n, p) where it was used.
+    """
+
+    cost: float
+    squares: Float
+    means: Float
+    covs: Float
+    inverses: Float
+    innovations: Float
+
+
+def filter_pass(model: LinearGaussianModel, used: BoolNDArray, gate: float) -> FilterPass:
+    """The filter's pass with all its states kept; gate as in `minus_two_log_likelihood`."""
+    c = model
+    return FilterPass(*_filter_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, gate, True))
 
 
 def minus_two_log_likelihood(model: LinearGaussianModel, used: BoolNDArray, gate: float) -> float:
@@ -39,9 +62,11 @@ def normalised_innovations_squared(
 
 def compiled_filter_and_smooth(model: LinearGaussianModel, used: BoolNDArray) -> SmoothedStates:
     """States given all measurements used: equal to `kalman_filterpy.filter_and_smooth`."""
-    c = model
-    _, _, xp, Pp, Si, y = _filter_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, np.inf, True)
-    return SmoothedStates(*_adjoints_backward(c.F, c.H, xp, Pp, Si, y, used))
+    one = filter_pass(model, used, np.inf)
+    return smooth_backward(
+        model, used, means=one.means, covs=one.covs, inverses=one.inverses,
+        innovations=one.innovations,
+    )  # fmt: skip
 
 
 def smooth_backward(
@@ -59,7 +84,7 @@ def smooth_backward(
 
 
 @njit(cache=True)
-def _nonzero_pattern(F):  # type: ignore[no-untyped-def]
+def nonzero_pattern(F):  # type: ignore[no-untyped-def]
     """Rows and columns of the entries of F (n, d, d) that are not zero at all times."""
     n, d, _ = F.shape
     entries, used = F.reshape(n, d * d), np.zeros(d * d, np.bool_)
@@ -114,19 +139,28 @@ def _inverse_and_determinant(S):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _innovation(H, x, P, z, S, y, HP):  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    """Fill HP = H P, S = H P H' + R (R is in S already) and y = z - H x."""
+def fill_observed_covariance(H, P, HP):  # type: ignore[no-untyped-def]
+    """Fill HP = H P; most of H is zero."""
     p, d = H.shape
     for q in range(p):
-        y[q] = z[q]
         for m in range(d):
             HP[q, m] = 0.0
         for i in range(d):
             h = H[q, i]
             if h != 0.0:
-                y[q] -= h * x[i]
                 for m in range(d):
                     HP[q, m] += h * P[i, m]
+
+
+@njit(cache=True, error_model="numpy")
+def _innovation(H, x, P, z, S, y, HP):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """Fill HP = H P, S = H P H' + R (R is in S already) and y = z - H x."""
+    p, d = H.shape
+    fill_observed_covariance(H, P, HP)
+    for q in range(p):
+        y[q] = z[q]
+        for i in range(d):
+            y[q] -= H[q, i] * x[i]
     for q in range(p):
         for r in range(p):
             for i in range(d):
@@ -134,7 +168,7 @@ def _innovation(H, x, P, z, S, y, HP):  # type: ignore[no-untyped-def]  # noqa: 
 
 
 @njit(cache=True, error_model="numpy")
-def _correct_in_place(x, P, HP, Si, y):  # type: ignore[no-untyped-def]
+def correct_in_place(x, P, HP, Si, y):  # type: ignore[no-untyped-def]
     """State x <- x + K y, P <- P - K H P with K = (H P)' S^-1."""
     p, d = HP.shape
     for i in range(d):
@@ -148,15 +182,17 @@ def _correct_in_place(x, P, HP, Si, y):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _copy(values, out):  # type: ignore[no-untyped-def]
+def copy(values, out):  # type: ignore[no-untyped-def]
+    """Fill a vector with another."""
     for i in range(len(values)):
         out[i] = values[i]
 
 
 @njit(cache=True, error_model="numpy")
-def _copy_rows(values, out):  # type: ignore[no-untyped-def]
+def copy_rows(values, out):  # type: ignore[no-untyped-def]
+    """Fill a matrix with another."""
     for i in range(len(values)):
-        _copy(values[i], out[i])
+        copy(values[i], out[i])
 
 
 @njit(cache=True, error_model="numpy")
@@ -165,7 +201,7 @@ def _filter_forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no
     size = n if keep else 1
     xp, Pp = np.zeros((size, d)), np.zeros((size, d, d))
     Sis, ys = np.zeros((size, p, p)), np.zeros((size, p))
-    rows, columns = _nonzero_pattern(F)
+    rows, columns = nonzero_pattern(F)
     work = (rows, columns, np.empty((d, d)), np.empty((d, d)), np.empty(d))
     squares = np.empty(n)
     x, P, total = x0.copy(), P0.copy(), 0.0
@@ -174,12 +210,12 @@ def _filter_forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no
         if k:
             _predict_in_place(F[k], Q[k], x, P, work)
         if keep:
-            _copy(x, xp[k])
-            _copy_rows(P, Pp[k])
+            copy(x, xp[k])
+            copy_rows(P, Pp[k])
         squares[k] = np.nan
         if not used[k]:
             continue
-        _copy_rows(R[k], S)
+        copy_rows(R[k], S)
         _innovation(H[k], x, P, z[k], S, y, HP)
         Si, det = _inverse_and_determinant(S)
         square = 0.0
@@ -189,10 +225,10 @@ def _filter_forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no
         squares[k] = square
         total += min(square, gate) + np.log(det) + p * LOG_2_PI
         if keep:
-            _copy(y, ys[k])
-            _copy_rows(Si, Sis[k])
+            copy(y, ys[k])
+            copy_rows(Si, Sis[k])
         if square <= gate:
-            _correct_in_place(x, P, HP, Si, y)
+            correct_in_place(x, P, HP, Si, y)
     return total, squares, xp, Pp, Sis, ys
 
 

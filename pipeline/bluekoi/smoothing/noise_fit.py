@@ -10,7 +10,9 @@ from scipy.special import chdtri
 
 from ..data import BoolNDArray, Float
 from . import kalman_numba
+from .likelihood_gradient import likelihood_gradient
 from .linear_gaussian import LinearGaussianModel
+from .motion_model import ModelOfNoise
 from .quasi_newton import minimise
 
 GATE_TAIL_PROBABILITY = 1e-5
@@ -41,7 +43,7 @@ class FittedMotionModel:
 
 
 def fit_process_noise(
-    build: Callable[[Float], LinearGaussianModel],
+    family: ModelOfNoise,
     seen: BoolNDArray,
     *,
     first: BoolNDArray,
@@ -57,18 +59,18 @@ def fit_process_noise(
     it, predict (deletion residual); those rejected are tried again in each round and count in the
     cost as lying on the gate.
 
-    build: model for logarithms of the noise (m,). seen: (n,) measured at all; first: (n,) used in
-    the first round. starts: logarithms to search from, the best end counts: motions disturbed in
+    family: the model for logarithms of the noise (m,). seen: (n,) measured at all; first: (n,) used
+    in the first round. starts: logarithms to search from, the best end counts: motions disturbed in
     their rate and in their acceleration are separate minima.
     """
     used, places = first, starts
-    gate = outlier_gate(build(starts[0]).z.shape[1])
+    gate = outlier_gate(family.at(starts[0]).z.shape[1])
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
-        ends = [_minimise_noise_cost(build, used, limit, place, spread) for place in places]
+        ends = [_minimise_noise_cost(family, used, limit, place, spread) for place in places]
         logs = min(ends, key=lambda end: end[1])[0]
         places = [logs]
-        model = build(logs)
+        model = family.at(logs)
         kept = seen & (
             _squared_deletion_residuals(model, _measurements_within_gate(model, used, limit))
             <= gate
@@ -76,7 +78,7 @@ def fit_process_noise(
         if np.array_equal(kept, used):
             break
         used = kept if kept.sum() > 0.5 * seen.sum() else used
-    model = build(logs)
+    model = family.at(logs)
     cost = _neg_two_log_posterior(model, seen, used, gate) + _neg_log_noise_prior(logs, spread)
     return FittedMotionModel(model, first, used, logs, cost, float(np.exp(logs[-1])))
 
@@ -110,17 +112,21 @@ def _measurements_within_gate(
 
 
 def _minimise_noise_cost(
-    build: Callable[[Float], LinearGaussianModel],
-    used: BoolNDArray,
-    gate: float,
-    start: Float,
-    spread: Float,
+    family: ModelOfNoise, used: BoolNDArray, gate: float, start: Float, spread: Float
 ) -> tuple[Float, float]:
     """Logarithms of least cost, and the cost, outliers counted as lying on the gate."""
 
-    def cost(at: Float) -> float:
-        value = kalman_numba.minus_two_log_likelihood(build(at), used, gate)
-        return value + _neg_log_noise_prior(at, spread) if np.isfinite(value) else 1e12
+    def cost(at: Float) -> tuple[float, Callable[[], Float]]:
+        model = family.at(at)
+        forward = kalman_numba.filter_pass(model, used, gate)
+
+        def gradient() -> Float:
+            by_matrices = likelihood_gradient(model, used, gate, forward)
+            return family.gradient(at, by_matrices) + 2 * at / spread**2
+
+        if not np.isfinite(forward.cost):
+            return 1e12, lambda: np.zeros(len(at))
+        return forward.cost + _neg_log_noise_prior(at, spread), gradient
 
     return minimise(cost, start)
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ..data import Float
-from .coloured_noise import with_coloured_noise
 from .grid import FilterTimeGrid
 from .kalman_numba import minus_two_log_likelihood
-from .linear_gaussian import LinearGaussianModel
 from .motion import heading_matrices, planar_matrices, planar_observation_matrix
+from .motion_gradient import heading_noise_gradient, planar_noise_gradient
+from .motion_model import ColouredNoiseModel, MotionMatrices, MotionModel
 from .noise_fit import FittedMotionModel, fit_process_noise, outlier_gate
 from .nominal_motion import nominal_motion
 from .screening import ScreenedMeasurements, screen_measurements
@@ -38,8 +36,6 @@ that explains everything, or a quick start."""
 LOG_START_ONSET_FACTOR, LOG_START_RECOIL_NOISE = 3.0, 5.0
 """Logs of the factor on the acceleration's noise at the onset, and of the noise of the recoil, from
 which the search starts."""
-MIN_LOG_NOISE_RATIO = float(np.log(1e-4))
-"""Log of the least variance of white noise over that stated; below, rounding errors matter."""
 MAX_LOG_NOISE_RATIO_COLOURED = -0.4
 """Below this log of white over stated noise, part of the error may be coloured."""
 MIN_LR_STATISTIC_COLOURED_NOISE = 10.0
@@ -111,11 +107,12 @@ def fit_angle(
     H = np.zeros((len(angle), 1, 5 if flap_hz > 0 else 3))
     H[:, 0, 0] = 1.0
     H[:, 0, 3:4] = 1.0
-
-    return _fit_motion_model(
-        data, grid, H, lambda noise: heading_matrices(noise, grid.dt_s, flap_hz, nominal),
-        resting=resting, coloured=coloured, near=near,
-    )  # fmt: skip
+    given = (grid.dt_s, flap_hz, nominal)
+    matrices = MotionMatrices(
+        lambda noise: heading_matrices(noise, *given),
+        lambda noise, by_F, by_Q: heading_noise_gradient(noise, *given, by_F, by_Q),
+    )
+    return _fit_motion_model(data, grid, H, matrices, resting=resting, coloured=coloured, near=near)
 
 
 def fit_position(
@@ -135,12 +132,13 @@ def fit_position(
     """
     data = screen_measurements(xy, cov, grid)
     nominal = nominal_motion(data, known.speed, known.heading_noise, resting=resting)
-
-    return _fit_motion_model(
-        data, grid, planar_observation_matrix(known.theta, flap_hz),
-        lambda noise: planar_matrices(noise, grid.dt_s, flap_hz, nominal, known.theta),
-        resting=resting, coloured=coloured, near=near,
-    )  # fmt: skip
+    given = (grid.dt_s, flap_hz, nominal, known.theta)
+    matrices = MotionMatrices(
+        lambda noise: planar_matrices(noise, *given),
+        lambda noise, by_F, by_Q: planar_noise_gradient(noise, *given, by_F, by_Q),
+    )
+    H = planar_observation_matrix(known.theta, flap_hz)
+    return _fit_motion_model(data, grid, H, matrices, resting=resting, coloured=coloured, near=near)
 
 
 def cost_with_moving_start(fitted: FittedMotionModel) -> float:
@@ -163,32 +161,29 @@ def _fit_motion_model(
     data: ScreenedMeasurements,
     grid: FilterTimeGrid,
     H: Float,
-    matrices: Callable[[Float], tuple[Float, Float]],
+    matrices: MotionMatrices,
     *,
     resting: bool,
     coloured: bool,
     near: FittedMotionModel | None,
 ) -> FittedMotionModel:
-    """Most likely model of these measurements; matrices gives (F, Q) for the noise."""
+    """Most likely model of these measurements."""
     m = data.z.shape[1]
     recoils = (H.shape[2] - 3 * m) // 2
+    x0, variances = _initial_state_prior(data, grid.scale_s, recoils, resting)
     units = _noise_units(data, grid, recoils)
-    x0, widths = _initial_state_prior(data, grid.scale_s, recoils, resting)
-    share = RESTING_RECOIL_VARIANCE_SHARE if resting else 1.0
-    free = 1.0 if resting or m > 1 else STEADY_ACCELERATION_VARIANCE_SHARE
-
-    def build(
-        logs: Float, recoil_share: float = share, acceleration_share: float = free
-    ) -> LinearGaussianModel:
-        noise = units * np.exp(logs[:-1])
-        F, Q = matrices(noise)
-        steady = 0.0 if resting else 0.5 * noise[0] * noise[2]
-        first = np.array([*widths[:2], widths[2] * acceleration_share + steady])
-        beats = noise[3 + m : 3 + m + recoils] * recoil_share
-        P0 = np.diag(np.concatenate([np.repeat(first, m), np.repeat(beats, 2)]))
-        R = data.R * np.exp(max(logs[-1], MIN_LOG_NOISE_RATIO))
-        return LinearGaussianModel(F, Q, H, R, data.z, x0, P0)
-
+    free = MotionModel(data, matrices, H, units, x0, variances, not resting, recoil_share=1.0)
+    steady = replace(
+        free, start_variances=variances * [1.0, 1.0, STEADY_ACCELERATION_VARIANCE_SHARE]
+    )
+    family: MotionModel = free
+    other: MotionModel | None = steady
+    least_gain = -MIN_LR_STATISTIC_MOVING_START
+    if resting:
+        family, other = replace(free, recoil_share=RESTING_RECOIL_VARIANCE_SHARE), free
+        least_gain = MIN_LR_STATISTIC_MOVING_START
+    elif m == 1:
+        family, other = steady, None
     spread = np.array(
         [
             *PRIOR_LOG_NOISE_STDS,
@@ -203,29 +198,22 @@ def _fit_motion_model(
     starts = _starting_log_noise(m, recoils, np.maximum(largest, 0.0))
     common: dict[str, Any] = {"first": data.plausible, "spread": spread}
     found = fit_process_noise(
-        build,
+        family,
         data.seen,
         starts=starts if near is None else [near.white_noise_logs, *starts],
         **common,
     )
-    other, least_gain = (
-        (partial(build, recoil_share=1.0), MIN_LR_STATISTIC_MOVING_START)
-        if resting
-        else (partial(build, acceleration_share=STEADY_ACCELERATION_VARIANCE_SHARE),
-              -MIN_LR_STATISTIC_MOVING_START)
-    )  # fmt: skip
-    is_steady = free < 1.0
-    if not is_steady and _cost_with_start(found, other(found.logs).P0) < found.cost - least_gain:
-        build = other
-        found = fit_process_noise(build, data.seen, starts=[found.logs, *starts], **common)
+    if other and _cost_with_start(found, other.at(found.logs).P0) < found.cost - least_gain:
+        family = other
+        found = fit_process_noise(family, data.seen, starts=[found.logs, *starts], **common)
     if found.logs[-1] > MAX_LOG_NOISE_RATIO_COLOURED and not coloured:
         return found
-    return _with_coloured_noise_if_better(found, build, data, grid, spread=spread)
+    return _with_coloured_noise_if_better(found, family, data, grid, spread=spread)
 
 
 def _with_coloured_noise_if_better(
     found: FittedMotionModel,
-    build: Callable[[Float], LinearGaussianModel],
+    white: MotionModel,
     data: ScreenedMeasurements,
     grid: FilterTimeGrid,
     *,
@@ -233,17 +221,10 @@ def _with_coloured_noise_if_better(
 ) -> FittedMotionModel:
     """The model with coloured noise, where it is clearly better than the one found."""
     frame = float(np.median(grid.dt_s[1:]))
-
-    def build_coloured(logs: Float) -> LinearGaussianModel:
-        white = build(np.concatenate([logs[:-3], logs[-1:]]))
-        size, time = np.exp(logs[-3:-1])
-        variance, correlation_s = data.variance * size, CORRELATION_TIME_UNIT_FRAMES * frame * time
-        return with_coloured_noise(white, grid.dt_s, variance, correlation_s)
-
     quiet = found.logs.copy()
     quiet[1:3] = 0.0
     other = fit_process_noise(
-        build_coloured,
+        ColouredNoiseModel(white, grid.dt_s, data.variance, CORRELATION_TIME_UNIT_FRAMES * frame),
         data.seen,
         first=data.plausible,
         spread=np.concatenate([spread[:-1], PRIOR_LOG_COLOURED_STDS, spread[-1:]]),

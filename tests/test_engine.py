@@ -67,7 +67,15 @@ from bluekoi.engine.set_score import (
     with_own_noise,
 )
 from bluekoi.engine.subset import d_optimal_trial_subset
-from bluekoi.fitting import Z_95, FreeParameter, Noise, TrialSeries, cluster_robust_covariance
+from bluekoi.fitting import (
+    Z_95,
+    FreeParameter,
+    Noise,
+    TrialSeries,
+    cluster_robust_covariance,
+    filter_all,
+)
+from bluekoi.fitting.noise import FittedNoise
 from bluekoi.fitting.normal import NormalEquationsByTrial
 from bluekoi.fitting.predictions import difference_step
 from bluekoi.fitting.trial_effects import marginal_products
@@ -823,10 +831,29 @@ def test_noise_is_kept_where_another_estimate_has_less_evidence(monkeypatch) -> 
         problem, model, replace(model.noise, scale=3.0 * model.noise.scale)
     )
     monkeypatch.setattr(set_score, "fit_own_noise", lambda *_, **__: worse)
-    assert with_own_noise(problem, scored) is scored
+    kept = with_own_noise(problem, scored)
+    assert kept.model.fit is scored.model.fit
     less = score_cause_set(problem, worse)
     monkeypatch.setattr(set_score, "fit_own_noise", lambda *_, **__: model)
     assert with_own_noise(problem, less).model is model
+    assert kept.model.noise_is_final
+
+
+def test_a_noise_that_was_estimated_without_a_gain_is_not_estimated_again(monkeypatch) -> None:
+    problem, estimates = driven_mass_problem(driven_mass_trials(0.3, 0.0)), []
+    model = fit_cause_set(problem, ("quadratic_drag",), problem.noise, {})
+
+    def worse(kernel, series, points, noise, **_):
+        estimates.append(noise)
+        return FittedNoise(
+            replace(noise, scale=3.0 * noise.scale), filter_all(kernel, series, points, noise)
+        )
+
+    monkeypatch.setattr(own_noise, "estimate_noise_model", worse)
+    found = fit_own_noise(problem, model)
+    assert found.noise is model.noise
+    assert fit_own_noise(problem, found) is found
+    assert len(estimates) == 1
 
 
 def test_a_discrepancy_is_fitted_first_at_the_smallest_share(monkeypatch) -> None:

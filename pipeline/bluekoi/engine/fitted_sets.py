@@ -65,8 +65,9 @@ class FittedCauseSets:
 
     def keep(self, scored: ScoredCauseSet) -> None:
         """Replace the fit of a set, and forget the expansion about the one before."""
-        if scored is not self.sets.get(scored.model.key):
-            self.sets[scored.model.key] = scored
+        before = self.sets.get(scored.model.key)
+        self.sets[scored.model.key] = scored
+        if before is None or scored.model.fit is not before.model.fit:
             self.full.pop(scored.model.key, None)
 
     def add(self, wanted: FitRequest) -> ScoredCauseSet | None:

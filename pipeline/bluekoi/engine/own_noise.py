@@ -44,8 +44,10 @@ def fit_own_noise(
     jump to a poorer maximum (`python -m validation noise-starts`; decision 045).
     """
     best = model
-    for _ in range(most):
+    for _ in range(0 if model.noise_is_final else most):
         again = _update_noise_and_fit(problem, best, steps)
+        if again is best:
+            return replace(best, noise_is_final=True)
         if again.log_joint - best.log_joint < MIN_ROUND_GAIN_LOG_LIK:
             return again
         best = again

@@ -34,7 +34,8 @@ class FittedCauseSet:
 
     discrepancy: label -> value of what is fitted with its numbers and integrated out: residual
     terms, for what the formulas of its causes leave, and offsets within the tolerance of careful
-    work. deviations: label -> prior standard deviation of that.
+    work. deviations: label -> prior standard deviation of that. noise_is_final: another estimate
+    of the noise at these numbers would not gain.
     """
 
     causes: tuple[str, ...]
@@ -44,6 +45,7 @@ class FittedCauseSet:
     at_bound: np.ndarray
     discrepancy: Mapping[str, float] = field(default_factory=dict)
     deviations: Mapping[str, float] = field(default_factory=dict)
+    noise_is_final: bool = False
 
     @property
     def usable(self) -> bool:

@@ -120,7 +120,7 @@ def _fitted_under_prior(
     """
     stds = {label: std for label, (_, std) in predicted.items()}
     held = {label: scored.model.discrepancy.get(label, 0.0) for label in stds}
-    before = replace(scored.model, deviations=stds, discrepancy=held)
+    before = replace(scored.model, deviations=stds, discrepancy=held, noise_is_final=False)
     for start in ({label: value for label, (value, _) in predicted.items()}, held):
         model = refit_from_fitted_values(problem, scored.model, scored.model.noise, deviations=stds,
                                          discrepancy=start)  # fmt: skip
@@ -141,9 +141,12 @@ def with_own_noise(
     58 (1971), 545). The evidence, in which the parameters are integrated out, decides.
     """
     model = fit_own_noise(problem, scored.model, most=most)
-    if model is scored.model:
-        return scored
-    return max(scored, score_cause_set(problem, model), key=lambda s: s.log_posterior)
+    if model.fit is scored.model.fit:
+        return replace(scored, model=model)
+    found = score_cause_set(problem, model)
+    if found.log_posterior > scored.log_posterior:
+        return found
+    return replace(scored, model=replace(scored.model, noise_is_final=True))
 
 
 def score_cause_set(problem: CauseSearchProblem, model: FittedCauseSet) -> ScoredCauseSet:

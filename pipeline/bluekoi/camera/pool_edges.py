@@ -116,21 +116,23 @@ def _brightness_steps(
 
 
 def _hough_line(across: Float, along: Float, is_step: npt.NDArray[np.bool_]) -> Float:
-    """Straight line (slope, offset at 0) near the most samples' steps: a Hough transform."""
-    near = cv2.dilate(
-        is_step.astype(np.uint8),
-        np.ones((1, int(2 * MAX_INLIER_DISTANCE_PX / SAMPLE_SPACING_PX) | 1)),
-    )
+    """Straight line (slope, offset at 0) near the most samples' steps: a Hough transform.
+
+    A line is given by its offsets at both ends, in whole pixels. The lines that pass a step within
+    `MAX_INLIER_DISTANCE_PX` are, for each first end, those of an interval of second ends.
+    """
+    row, column = np.nonzero(is_step)
     ends = np.arange(across[0, 0], across[0, -1], 1.0)
-    votes = np.zeros((len(ends), len(ends)), dtype=np.int32)
-    for row, place in zip(near, along, strict=True):
-        if row.any():
-            at = ends[:, None] * (1 - place) + ends * place
-            at -= ends[0]
-            at /= SAMPLE_SPACING_PX
-            votes += row.take(np.rint(at, out=at).astype(np.intp), mode="clip")
-    first, second = np.unravel_index(np.argmax(votes), votes.shape)
-    return np.array([ends[second] - ends[first], ends[first]])
+    n, place, step = len(ends), along[row], across[row, column]
+    second = (step - (1 - place) * ends[:, None]) / place - ends[0]
+    half = MAX_INLIER_DISTANCE_PX / place
+    first, behind = np.ceil(second - half), np.floor(second + half) + 1
+    cells = np.arange(n)[:, None] * (n + 1)
+    changes = [np.bincount((cells + np.clip(edge, 0, n).astype(np.intp)).ravel(),
+                           minlength=n * (n + 1)) for edge in (first, behind)]  # fmt: skip
+    votes = np.cumsum((changes[0] - changes[1]).reshape(n, n + 1), axis=1)[:, :n]
+    one, other = np.unravel_index(np.argmax(votes), votes.shape)
+    return np.array([ends[other] - ends[one], ends[one]])
 
 
 def _refine_edge_line(

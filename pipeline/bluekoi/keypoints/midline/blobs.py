@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -42,6 +43,11 @@ class BackgroundModel:
     noise: float
     length_px: float
     factor: int
+
+    @cached_property
+    def usual_contrast(self) -> float:
+        """Difference in grey levels between the background's median and a body."""
+        return abs(float(np.median(self.background)) - self.skin)
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from exact_campaign import (
     make_trial,
 )
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from PIL import Image
 
 from bluekoi import figures
@@ -322,6 +323,27 @@ def test_a_trial_along_which_the_filter_ran_away_is_left_out_of_the_missing_forc
     assert set(missing_forces(rest)) == set(missing_forces(complete_campaign)) - {lost}
     for name in ("mismatch_dependence", "mismatch_map"):
         assert extract_points(figures.draw(name, rest))
+
+
+def test_rounding_errors_of_the_layout_do_not_change_the_files(
+    tmp_path, complete_campaign, monkeypatch
+):
+    """The solver of the layout sums in another order in each process."""
+    execute, rng = ConstrainedLayoutEngine.execute, np.random.default_rng(0)
+
+    def execute_with_rounding_errors(engine, figure):
+        execute(engine, figure)
+        for axes in figure.axes:
+            bounds = np.array(axes.get_position(original=True).bounds)
+            axes._set_position(bounds + 1e-15 * rng.normal(size=4))
+
+    for name in ("a", "b"):
+        paths = (tmp_path / f"{name}.png", tmp_path / f"{name}.pdf")
+        figures.write_figure_files("fig3", complete_campaign, *paths)
+        monkeypatch.setattr(ConstrainedLayoutEngine, "execute", execute_with_rounding_errors)
+    for kind in ("png", "pdf"):
+        one, other = ((tmp_path / f"{name}.{kind}").read_bytes() for name in ("a", "b"))
+        assert one == other
 
 
 def test_files_are_the_same_bytes_every_time_and_carry_their_words(tmp_path, complete_campaign):

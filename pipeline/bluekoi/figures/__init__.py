@@ -17,6 +17,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -48,6 +49,8 @@ RESULT_DESCRIPTIONS = {
 }
 """Result that a figure may need -> its name in a message."""
 PNG_DPI = 150
+LAYOUT_DECIMALS = 9
+"""Decimals of the places of axes, in widths and heights of the figure."""
 PNG_METADATA: Mapping[str, Any] = {"Software": None}
 """Metadata of a file, without dates: the same results give the same bytes."""
 PDF_METADATA: Mapping[str, Any] = {
@@ -126,11 +129,24 @@ def _save_figure(
     from matplotlib.backends.backend_pdf import FigureCanvasPdf  # noqa: PLC0415  no png needs it
 
     figure.set_dpi(PNG_DPI)
+    _lay_out(figure)
     with atomic_write(path_png) as temporary:
         FigureCanvasAgg(figure).print_png(temporary, metadata={**PNG_METADATA, **metadata})
-    figure.set_layout_engine("none")
     with atomic_write(path_pdf) as temporary:
         FigureCanvasPdf(figure).print_pdf(temporary, metadata=dict(PDF_METADATA))
+
+
+def _lay_out(figure: Figure) -> None:
+    """Place the axes for good, to `LAYOUT_DECIMALS`.
+
+    The order in which the layout's equations are solved depends on addresses in memory, and with it
+    the last digit of the places.
+    """
+    if (engine := figure.get_layout_engine()) is not None:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
+    for axes in figure.axes:
+        axes.set_position(np.round(axes.get_position(original=True).bounds, LAYOUT_DECIMALS))
 
 
 def _missing_results_text(name: str, campaign: Campaign) -> str:

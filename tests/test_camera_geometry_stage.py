@@ -15,6 +15,7 @@ from exact_campaign import GEOMETRY_JSON, exact_campaign
 from bluekoi.camera import pool_camera
 from bluekoi.camera.calibration_uncertainty import calibration_covariance_at_points
 from bluekoi.camera.error_displacement import camera_error_constants
+from bluekoi.camera.length_warnings import length_warnings
 from bluekoi.campaign import Campaign, load_campaign
 from bluekoi.data import read_track
 from bluekoi.figures import draw
@@ -117,6 +118,18 @@ def test_a_smeared_tail_or_few_frames_give_no_length(detected_study, tmp_path, l
     silhouette_keypoints(tmp_path / "results", lengths)
     found = geometry_json(study, tmp_path / "results")
     assert (found["scale"], found["likely"], found["windows"]) == (None, "unknown", None)
+
+
+def test_a_body_whose_tail_ends_far_from_where_it_is_stated_gives_a_warning(
+    detected_study, tmp_path
+):
+    study, results = detected_study
+    shutil.copytree(results, tmp_path / "results")
+    silhouette_keypoints(tmp_path / "results", [])
+    (warning,) = length_warnings(geometry_json(study, tmp_path / "results"), None)
+    assert "Measure body_length_m" in warning
+    silhouette_keypoints(tmp_path / "results", measured_share_of_frames(1.0, 0.001))
+    assert not length_warnings(geometry_json(study, tmp_path / "results"), None)
 
 
 def test_a_length_is_no_surer_than_pixels_and_exposure_let_it_be(detected_study, tmp_path):

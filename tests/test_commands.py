@@ -14,6 +14,7 @@ from click.shell_completion import ShellComplete
 from click.testing import CliRunner
 
 from bluekoi.cli import main
+from bluekoi.files import write_json
 from bluekoi.footage import encode_h264
 from bluekoi.study import load_incomplete_study, load_study
 from small_studies import small_study
@@ -182,6 +183,25 @@ def test_init_takes_the_files_that_are_named_and_overwrites_nothing(lab_folder):
     assert (lab_folder / "study.yaml").read_bytes() == before
 
 
+@pytest.mark.parametrize("named", [False, True])
+@pytest.mark.parametrize("linked", ["folder", "files"])
+def test_init_follows_links_to_recordings_elsewhere(lab_folder, linked, named):
+    study = lab_folder.parent / "study"
+    study.mkdir()
+    if linked == "folder":
+        (study / "films").symlink_to(lab_folder / "videos")
+        (lab_folder / "videos/again").symlink_to(study)  # a link in a circle
+    else:
+        (study / "films").mkdir()
+        for film in (lab_folder / "videos").iterdir():
+            (study / "films" / film.name).symlink_to(film)
+    films = sorted((study / "films").glob("*.mp4")) if named else [study]
+    done = bluekoi("init", *films, "--study", study)
+    assert done.exit_code == 0, done.output
+    sources = {line.split(",")[1] for line in (study / "trials.csv").read_text().splitlines()[1:]}
+    assert sources == {"films/p50_phi-20.mp4", "films/p100_phi30.mp4"}
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [(["nowhere.mp4"], "nothing there"), (["empty"], "no video and no keypoint file"),
@@ -229,6 +249,16 @@ def test_report_shows_verdict_causes_and_page(tmp_path, monkeypatch):
     assert "Warning: T04: another's log?" in bluekoi("report", "lab").output
     assert opened == [(results / "report.html").resolve().as_uri()]
     assert bluekoi("report", results).exit_code == 0
+
+
+def test_report_repeats_the_warnings_of_a_run_in_which_trials_failed(tmp_path):
+    """Such a run leaves no outcome.json."""
+    study, results = small_study(tmp_path / "lab"), tmp_path / "results"
+    write_json(results / "geometry.json", {"tail_end_seen": False})
+    (results / "report.html").write_text("<p>")
+    done = bluekoi("report", study, "--results", results)
+    assert done.exit_code == 0
+    assert "Measure body_length_m" in done.output
 
 
 def test_a_run_that_ends_early_says_what_is_wrong_with_its_trials(tmp_path, monkeypatch):

@@ -36,7 +36,11 @@ from bluekoi.stages.geometry import geometry
 from bluekoi.stages.head_angle_sign import head_angle_sign_finding
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.tracks import _with_clock_remark, tracks
-from bluekoi.stages.trial_exclusion import contradicted_trials, contradiction_warning
+from bluekoi.stages.trial_exclusion import (
+    contradicted_trials,
+    contradiction_warning,
+    minority_warning,
+)
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study, missing_files_of_trial
 from bluekoi.study.setup_warnings import inertia_warnings, setup_warnings
@@ -240,6 +244,12 @@ def test_a_trial_with_another_head_angle_than_stated_is_kept_from_the_fits():
     assert f"contradicts trials.csv: {last.trial_id} (head angle)" in warning
     assert contradicted_trials(right, campaign_flapping(right)) == {}
     assert contradiction_warning({}) == ""
+
+
+def test_a_verdict_on_a_minority_of_the_trials_says_so():
+    assert minority_warning(12, 4, 24) == ""
+    assert "9 of 24 trials, none with a turned head" in minority_warning(9, 0, 24)
+    assert "11 of 24 trials, 2 of them with a turned head" in minority_warning(11, 2, 24)
 
 
 def test_a_trial_with_other_body_lengths_is_kept_from_the_fits():

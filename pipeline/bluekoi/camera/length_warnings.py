@@ -38,10 +38,20 @@ def length_warnings(
     causes = (mismatch or {}).get("causes") or []
     named = {c["name"] for c in causes if c.get("weight", 1.0) >= MIN_CAUSE_PROBABILITY}
     return [
+        *_unseen_tail_end_warnings(geometry or {}),
         *_scale_warnings(geometry or {}, named),
         *_camera_error_warnings(geometry or {}, named, refractive_index),
         *_deviating_trial_warnings(geometry),
     ]
+
+
+def _unseen_tail_end_warnings(geometry: Mapping[str, Any]) -> Iterator[str]:
+    if not geometry.get("tail_end_seen", True):
+        yield (
+            "In no frame the robot's tail is seen to end near the place that study.yaml gives it, "
+            "so that nothing checks its lengths and the scale. Measure body_length_m (nose to "
+            "caudal base, with the standard head) and tail_length_m (caudal base to tip) again."
+        )
 
 
 def _scale_warnings(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:

@@ -84,13 +84,19 @@ def _study_folder(files: tuple[Path, ...], study: Path | None) -> Path:
     folder = study or Path()
     if not folder.is_dir():
         raise input_error(folder, "", "no folder", "the folder with the recordings")
-    outside = [p for p in files if not p.resolve().is_relative_to(folder.resolve())]
+    outside = [path for path in files if not _lies_in(path, folder)]
     if outside:
         remedy = "Move it there, or give its folder as --study."
         raise input_error(
             outside[0], "", "a file outside of the study's folder", f"a file in {folder}", remedy
         )
     return folder
+
+
+def _lies_in(path: Path, folder: Path) -> bool:
+    """Whether a path is a folder or lies in it, by its name or, through links, by its file."""
+    named = Path(os.path.abspath(path)).is_relative_to(os.path.abspath(folder))
+    return named or path.resolve().is_relative_to(folder.resolve())
 
 
 def _selected_files(folder: Path, files: tuple[Path, ...]) -> StudyFiles:
@@ -100,11 +106,10 @@ def _selected_files(folder: Path, files: tuple[Path, ...]) -> StudyFiles:
     from ..preparation.prefill import study_files  # noqa: PLC0415
 
     found = study_files(folder)
-    wanted = [path.resolve() for path in files] or [folder.resolve()]
+    wanted = files or (folder,)
 
     def named(name: str) -> bool:
-        path = (folder / name).resolve()
-        return any(path == one or path.is_relative_to(one) for one in wanted)
+        return any(_lies_in(folder / name, one) for one in wanted)
 
     return replace(
         found,

@@ -59,8 +59,7 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
         raise input_error(path, "", "no verdict", "the result of a search", remedy)
     for line in summary_lines(found) if found else ["No search for causes yet."]:
         click.echo(escape_control_characters(line))
-    done = folder / "outcome.json"  # of a run in which no trial failed
-    for text in read_json(done).get("warnings", ()) if done.is_file() else ():
+    for text in _warnings_of_run(study, folder):
         click.echo(escape_control_characters(f"Warning: {text}"))
     page = folder / "report.html"
     if not page.is_file():
@@ -73,6 +72,18 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
     if shown and not open_in_browser(page):
         click.echo("No browser could be started here; open the file by hand.", err=True)
         ctx.exit(1)
+
+
+def _warnings_of_run(study: Path, results: Path) -> list[str]:
+    """Warnings that a run ended with; after a run in which a trial failed, those on its files."""
+    from ..files import read_json  # noqa: PLC0415
+    from ..stages.outcome import run_warnings  # noqa: PLC0415
+    from ..study import load_study  # noqa: PLC0415
+
+    done = results / "outcome.json"  # of a run in which no trial failed
+    if done.is_file():
+        return list(read_json(done).get("warnings", ()))
+    return run_warnings(load_study(study), results) if (study / "study.yaml").is_file() else []
 
 
 def summary_lines(mismatch: Mapping[str, Any]) -> Iterator[str]:

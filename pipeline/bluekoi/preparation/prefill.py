@@ -56,7 +56,7 @@ class StudyFiles:
 
 
 def study_files(folder: Path) -> StudyFiles:
-    """Videos, keypoint files and motor logs of a folder and the folders in it.
+    """Videos, keypoint files and motor logs of a folder and the folders in it, links followed.
 
     Hidden folders are left out, and folders with a report.html, which are results of a run.
     """
@@ -176,9 +176,16 @@ def blank_study_yaml() -> str:
 
 
 def _list_files(folder: Path) -> Iterator[Path]:
-    """Files of a folder, at most `MAX_FILES`; folders of results and hidden ones left out."""
-    count = 0
-    for root, folders, names in os.walk(folder):
+    """Files of a folder, at most `MAX_FILES`; folders of results and hidden ones left out.
+
+    Links to folders are followed, each folder once.
+    """
+    count, visited = 0, set()
+    for root, folders, names in os.walk(folder, followlinks=True):
+        if (place := os.path.realpath(root)) in visited:
+            folders.clear()
+            continue
+        visited.add(place)
         folders[:] = sorted(
             name for name in folders
             if not name.startswith(".") and not (Path(root) / name / "report.html").is_file()

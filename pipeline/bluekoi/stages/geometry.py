@@ -32,7 +32,8 @@ from .status import has_measured_lengths, successful_trials
 
 LENGTHS_NOT_MEASURED = (
     "the keypoints were placed at the lengths of study.yaml, which say nothing of scale, lens or "
-    "depth, and too few frames show nose and tail's end; use dots, markers or a network"
+    "depth, and in no frame the tail is seen to end near the place that body_length_m and "
+    "tail_length_m give it: measure both again, or use dots, markers or a network"
 )
 STATED_LENGTH_ADVICE = (
     "; so would body_length_m or tail_length_m stated wrongly: measure the robot again"
@@ -50,7 +51,8 @@ def geometry(study: Path, results: Path) -> None:
     likely: `nothing`, an error's name, or `unknown`. by_trial: relative error of each trial's
     lengths that the likely error leaves. map: relative error of the distances over the
     pool, and what the likely error predicts there. windows: means of the distances over half a
-    second, which the mismatch stage compares errors of the camera with.
+    second, which the mismatch stage compares errors of the camera with. tail_end_seen: False where
+    no frame shows the body's whole length.
     """
     loaded, layout = load_study(study), ResultPaths(results)
     ids = [trial.trial_id for trial in loaded.trials]
@@ -98,7 +100,7 @@ def _check_by_whole_lengths(
     setup, depth = study.setup, study.setup.robot.keypoint_depth_m
     seen = [read_json(layout.detection(t.trial_id)).get("length_seen") or [] for t in trials]
     if not any(seen):
-        return _unchecked_geometry_json(LENGTHS_NOT_MEASURED)
+        return {**_unchecked_geometry_json(LENGTHS_NOT_MEASURED), "tail_end_seen": False}
     camera = _trial_camera(study, trials[0], layout)
     distances = whole_lengths(
         _mapped_keypoint_positions(camera, trials, layout, depth),

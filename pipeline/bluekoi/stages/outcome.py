@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from ..camera.length_warnings import length_warnings
 from ..files import read_json, read_json_if_present, write_json
-from ..study import load_study
+from ..study import Study, load_study
 from ..study.setup_warnings import inertia_warnings
 from ..trial_warnings import trial_warnings, unchecked_clock_notes
 from .layout import ResultPaths, remove_files
@@ -27,20 +28,10 @@ def outcome(study: Path, results: Path) -> list[str]:
     trials that were used: clocks that disagree, speeds that no swimmer has, powers that do not go
     with the flapping frequency, rigid lengths of another size.
     """
-    layout, done = ResultPaths(results), ResultPaths(results).outcome
-    loaded = load_study(study)
-    statuses = {t.trial_id: read_json(layout.status(t.trial_id)) for t in loaded.trials}
+    done, loaded = ResultPaths(results).outcome, load_study(study)
+    statuses = _trial_statuses(loaded, results)
     bad = [f"{name}: {text}" for name, s in statuses.items() if (text := failure_reason(s))]
-    geometry, mismatch = (
-        read_json_if_present(results / f"{n}.json") for n in ("geometry", "mismatch")
-    )
-    index = loaded.setup.water.refractive_index
-    warnings = [
-        *trial_warnings(loaded, statuses),
-        *unchecked_clock_notes(loaded),
-        *length_warnings(geometry, mismatch, index),
-        *inertia_warnings(loaded.setup.robot, mismatch),
-    ]
+    warnings = run_warnings(loaded, results)
     remove_files([done])
     if changed := write_manifest(study, results):
         warnings.insert(0, CHANGED_MESSAGE.format(", ".join(changed)))
@@ -48,3 +39,22 @@ def outcome(study: Path, results: Path) -> list[str]:
         return [*bad, *(f"Warning: {text}" for text in warnings)]
     write_json(done, {"trials": len(statuses), "all_good": True, "warnings": warnings})
     return []
+
+
+def run_warnings(study: Study, results: Path) -> list[str]:
+    """A sentence for each doubt about trials, clocks, lengths and inertia after a run."""
+    geometry, mismatch = (
+        read_json_if_present(results / f"{n}.json") for n in ("geometry", "mismatch")
+    )
+    return [
+        *trial_warnings(study, _trial_statuses(study, results)),
+        *unchecked_clock_notes(study),
+        *length_warnings(geometry, mismatch, study.setup.water.refractive_index),
+        *inertia_warnings(study.setup.robot, mismatch),
+    ]
+
+
+def _trial_statuses(study: Study, results: Path) -> dict[str, dict[str, Any]]:
+    """Content of status/ID.json of each trial that has one."""
+    paths = {t.trial_id: ResultPaths(results).status(t.trial_id) for t in study.trials}
+    return {name: read_json(path) for name, path in paths.items() if path.is_file()}

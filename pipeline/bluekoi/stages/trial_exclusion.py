@@ -52,3 +52,17 @@ def contradiction_warning(left_out: Mapping[str, str]) -> str:
         f"Not used in the fits, because the recording contradicts trials.csv: {names}. See the "
         "warnings on these trials; once they are corrected, or their rows are removed, run again."
     )
+
+
+def minority_warning(used: int, turning: int, stated: int) -> str:
+    """A sentence where the fits use fewer than half of the stated trials, or no text.
+
+    used, turning: trials that the fits use, and those of them with a turned head.
+    """
+    if 2 * used >= stated:
+        return ""
+    turns = f"{turning} of them with a turned head" if turning else "none with a turned head"
+    return (
+        f"The verdict rests on {used} of {stated} trials, {turns}: the others could not be used. "
+        "Read the messages on them first; what acts in them is unknown here."
+    )

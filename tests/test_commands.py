@@ -183,6 +183,24 @@ def test_init_takes_the_files_that_are_named_and_overwrites_nothing(lab_folder):
     assert (lab_folder / "study.yaml").read_bytes() == before
 
 
+@pytest.mark.parametrize("error", [PermissionError(13, "Permission denied", "lab/kp/T01.csv")])
+def test_a_file_that_may_not_be_read_is_named_without_a_traceback(lab_folder, monkeypatch, error):
+    def refused(*_):
+        raise error
+
+    monkeypatch.setattr("bluekoi.study.load_study", refused)
+    done = bluekoi("check", lab_folder)
+    assert done.exit_code == 1
+    assert "lab/kp/T01.csv: found 'Permission denied'" in done.output
+    assert "Change its permissions" in done.output
+
+
+def test_init_passes_over_an_empty_csv_file(lab_folder):
+    (lab_folder / "notes.csv").write_text("")
+    (lab_folder / "secret.csv").symlink_to(lab_folder / "nowhere.csv")
+    assert bluekoi("init", lab_folder).exit_code == 0
+
+
 @pytest.mark.parametrize("named", [False, True])
 @pytest.mark.parametrize("linked", ["folder", "files"])
 def test_init_follows_links_to_recordings_elsewhere(lab_folder, linked, named):

@@ -115,6 +115,7 @@ def test_a_cell_with_a_comma_or_quote_is_quoted(tmp_path):
         ("a,b,a\n1,2,3\n", ("row 1", "a more than once", "each column once")),
         ("a;b\n1;2\n", ("row 1", "separated by commas")),
         ("a,b\n1,2\n\n1,x\n", ("row 4", "numbers")),
+        ("a,b\n1,2\n1e400,2\n", ("row 3", "found '1e400'", "a finite number")),
         ("a,b\n1,2\n1_000,2\n", ("row 3", "found '1_000'", "a number without underscores")),
     ],
 )

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NoReturn
+
 import click
 
-from ..errors import EXIT_INTERRUPTED, InputError, escape_control_characters
+from ..errors import EXIT_INTERRUPTED, InputError, escape_control_characters, input_error
 from ..workflow.forkserver_client import limit_blas_to_one_thread
 from .camera import calibrate, pool
 from .check import check
@@ -36,11 +38,20 @@ class InputErrorGroup(click.Group):
         try:
             return super().invoke(ctx)
         except InputError as error:
-            click.echo(escape_control_characters(str(error)), err=True)
-            ctx.exit(1)
+            _print_and_fail(ctx, error)
+        except PermissionError as error:
+            expected = "a file or folder that may be read, and written where a command writes"
+            remedy = "Change its permissions, or name another one."
+            place = error.filename or "a file"
+            _print_and_fail(ctx, input_error(place, "", f"'{error.strerror}'", expected, remedy))
         except KeyboardInterrupt:
             click.echo("Interrupted.", err=True)
             ctx.exit(EXIT_INTERRUPTED)
+
+
+def _print_and_fail(ctx: click.Context, error: InputError) -> NoReturn:
+    click.echo(escape_control_characters(str(error)), err=True)
+    ctx.exit(1)
 
 
 @click.group(

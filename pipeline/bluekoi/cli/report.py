@@ -76,6 +76,7 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
 
 def _warnings_of_run(study: Path, results: Path) -> list[str]:
     """Warnings that a run ended with; after a run in which a trial failed, those on its files."""
+    from ..errors import InputError  # noqa: PLC0415
     from ..files import read_json  # noqa: PLC0415
     from ..stages.outcome import run_warnings  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415
@@ -83,7 +84,10 @@ def _warnings_of_run(study: Path, results: Path) -> list[str]:
     done = results / "outcome.json"  # of a run in which no trial failed
     if done.is_file():
         return list(read_json(done).get("warnings", ()))
-    return run_warnings(load_study(study), results) if (study / "study.yaml").is_file() else []
+    try:
+        return run_warnings(load_study(study), results)
+    except InputError:  # no study, or one that has changed: `warn_of_outdated_results` says so
+        return []
 
 
 def summary_lines(mismatch: Mapping[str, Any]) -> Iterator[str]:

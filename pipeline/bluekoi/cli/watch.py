@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from .number_types import FiniteNumber
 from .parameter_types import NonEmptyPath, StudyName
 from .run import check_cores, snakemake_command
 
@@ -49,7 +50,7 @@ ask for files.
 @click.option("--results", type=NonEmptyPath(path_type=Path), help="Folder for the results.")
 @click.option("--cores", default="all", show_default=True, callback=check_cores,
               help="How many jobs at once.")  # fmt: skip
-@click.option("--every", "every_s", type=click.FloatRange(0.1), default=2.0, show_default=True,
+@click.option("--every", "every_s", type=FiniteNumber(0.1), default=2.0, show_default=True,
               help="Seconds between two checks of the files.")  # fmt: skip
 def watch(study: Path, results: Path | None, cores: str, every_s: float) -> None:
     """Analyse STUDY again whenever a file or a row in it changes, until Ctrl-C.

@@ -66,13 +66,17 @@ def _parse_row(path: str | Path, number: int, line: str, width: int) -> list[flo
         found = next(cell for cell in cells if "_" in cell)
         raise input_error(path, f"row {number}", repr(found), "a number without underscores")
     try:
-        return [float(cell) if cell else math.nan for cell in cells]
+        values = [float(cell) if cell else math.nan for cell in cells]
     except ValueError:  # as a cell with quotes or blanks, which are rare
         cells = [cell.strip().strip('"') for cell in cells]
-    try:
-        return [float(cell) if cell else math.nan for cell in cells]
-    except ValueError as error:
-        raise input_error(path, f"row {number}", str(error), "numbers") from error
+        try:
+            values = [float(cell) if cell else math.nan for cell in cells]
+        except ValueError as error:
+            raise input_error(path, f"row {number}", str(error), "numbers") from error
+    if math.inf in values or -math.inf in values:
+        found = next(cell for cell, x in zip(cells, values, strict=True) if math.isinf(x))
+        raise input_error(path, f"row {number}", repr(found), "a finite number")
+    return values
 
 
 def _format_column(column: Any) -> Iterable[str]:

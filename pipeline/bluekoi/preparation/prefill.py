@@ -246,4 +246,4 @@ def _first_cells(path: Path) -> list[str]:
 
 def _has_deeplabcut_header(path: Path) -> bool:
     """Whether a csv file has DeepLabCut's header."""
-    return _first_cells(path)[0] == "scorer"
+    return _first_cells(path)[:1] == ["scorer"]

@@ -127,7 +127,7 @@ def test_a_body_whose_tail_ends_far_from_where_it_is_stated_gives_a_warning(
     shutil.copytree(results, tmp_path / "results")
     silhouette_keypoints(tmp_path / "results", [])
     (warning,) = length_warnings(geometry_json(study, tmp_path / "results"), None)
-    assert "Measure body_length_m" in warning
+    assert "measure body_length_m" in warning
     silhouette_keypoints(tmp_path / "results", measured_share_of_frames(1.0, 0.001))
     assert not length_warnings(geometry_json(study, tmp_path / "results"), None)
 

@@ -276,7 +276,7 @@ def test_report_repeats_the_warnings_of_a_run_in_which_trials_failed(tmp_path):
     (results / "report.html").write_text("<p>")
     done = bluekoi("report", study, "--results", results)
     assert done.exit_code == 0
-    assert "Measure body_length_m" in done.output
+    assert "measure body_length_m" in done.output
 
 
 def test_a_run_that_ends_early_says_what_is_wrong_with_its_trials(tmp_path, monkeypatch):

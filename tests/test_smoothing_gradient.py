@@ -70,6 +70,7 @@ def test_derivatives_by_the_noise_are_those_of_the_cost(planar, coloured, restin
         fit_position(values[:, :2], cov[:, :2, :2], grid, known=known, **common)
     else:
         fit_angle(values[:, 2], cov[:, 2, 2], grid, speed=speed, **common)
+    assert checked
     if coloured:
         assert len({row[0] for row in checked}) == 2
     for _, j, slope, difference in checked:

@@ -39,7 +39,7 @@ from bluekoi.stages.tracks import _with_clock_remark, tracks
 from bluekoi.stages.trial_exclusion import (
     contradicted_trials,
     contradiction_warning,
-    minority_warning,
+    few_trials_warning,
 )
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study, missing_files_of_trial
@@ -247,9 +247,9 @@ def test_a_trial_with_another_head_angle_than_stated_is_kept_from_the_fits():
 
 
 def test_a_verdict_on_a_minority_of_the_trials_says_so():
-    assert minority_warning(12, 4, 24) == ""
-    assert "9 of 24 trials, none with a turned head" in minority_warning(9, 0, 24)
-    assert "11 of 24 trials, 2 of them with a turned head" in minority_warning(11, 2, 24)
+    assert few_trials_warning(12, 4, 24) == ""
+    assert "9 of 24 trials, none with a turned head" in few_trials_warning(9, 0, 24)
+    assert "11 of 24 trials, 2 of them with a turned head" in few_trials_warning(11, 2, 24)
 
 
 def test_a_trial_with_other_body_lengths_is_kept_from_the_fits():

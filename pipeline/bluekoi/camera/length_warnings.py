@@ -48,9 +48,10 @@ def length_warnings(
 def _unseen_tail_end_warnings(geometry: Mapping[str, Any]) -> Iterator[str]:
     if not geometry.get("tail_end_seen", True):
         yield (
-            "In no frame the robot's tail is seen to end near the place that study.yaml gives it, "
-            "so that nothing checks its lengths and the scale. Measure body_length_m (nose to "
-            "caudal base, with the standard head) and tail_length_m (caudal base to tip) again."
+            "In no frame is the end of the robot's tail found near the place that study.yaml gives "
+            "it, so that nothing checks the robot's lengths and the scale. If the tail can be seen "
+            "in the pictures, measure body_length_m (nose to caudal base, with the standard head) "
+            "and tail_length_m (caudal base to tip) again."
         )
 
 

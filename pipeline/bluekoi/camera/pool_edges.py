@@ -121,7 +121,9 @@ def _hough_line(across: Float, along: Float, is_step: npt.NDArray[np.bool_]) -> 
     A line is given by its offsets at both ends, in whole pixels. The lines that pass a step within
     `MAX_INLIER_DISTANCE_PX` are, for each first end, those of an interval of second ends.
     """
-    row, column = np.nonzero(is_step)
+    single = is_step.copy()
+    single[:, 1:] &= ~is_step[:, :-1]  # neighbours of equal slope are one step
+    row, column = np.nonzero(single)
     ends = np.arange(across[0, 0], across[0, -1], 1.0)
     n, place, step = len(ends), along[row], across[row, column]
     second = (step - (1 - place) * ends[:, None]) / place - ends[0]

@@ -94,7 +94,7 @@ def _study_folder(files: tuple[Path, ...], study: Path | None) -> Path:
 
 
 def _lies_in(path: Path, folder: Path) -> bool:
-    """Whether a path is a folder or lies in it, by its name or, through links, by its file."""
+    """Whether a path is a folder or lies in it, with links followed or not."""
     named = Path(os.path.abspath(path)).is_relative_to(os.path.abspath(folder))
     return named or path.resolve().is_relative_to(folder.resolve())
 

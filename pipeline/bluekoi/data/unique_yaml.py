@@ -11,7 +11,7 @@ from typing import Any
 
 import yaml
 
-OTHER_NUMBER_PATTERN = re.compile(r"[-+]?0[0-9xb_].*|.*[:_].*")
+MISLEADING_NUMBER_PATTERN = re.compile(r"[-+]?0[0-9xb_][0-9a-fA-F_]*|.*[:_].*")
 """Numbers of YAML 1.1 that are not what they look like: 010 is 8, 1:30 is 90, 0x10 is 16."""
 
 
@@ -33,9 +33,9 @@ def _construct_mapping_without_duplicates(
 
 
 def _construct_decimal_number(loader: _UniqueKeyLoader, node: yaml.ScalarNode) -> int | float:
-    if OTHER_NUMBER_PATTERN.fullmatch(node.value):
+    if MISLEADING_NUMBER_PATTERN.fullmatch(node.value):
         raise yaml.constructor.ConstructorError(
-            None, None, f"'{node.value}' is no decimal number; a name stands in quotes",
+            None, None, f"'{node.value}' is no decimal number; put a name in quotes",
             node.start_mark,
         )  # fmt: skip
     is_whole = node.tag == "tag:yaml.org,2002:int"

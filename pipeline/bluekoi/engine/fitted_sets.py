@@ -67,7 +67,7 @@ class FittedCauseSets:
         """Replace the fit of a set, and forget the expansion about the one before."""
         before = self.sets.get(scored.model.key)
         self.sets[scored.model.key] = scored
-        if before is None or scored.model.fit is not before.model.fit:
+        if before is None or scored.expansion is not before.expansion:
             self.full.pop(scored.model.key, None)
 
     def add(self, wanted: FitRequest) -> ScoredCauseSet | None:

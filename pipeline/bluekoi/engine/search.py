@@ -177,16 +177,13 @@ def _refit_from_noise(
     visited: FittedCauseSets, source: FittedCauseSet, least: float, scored: ScoredCauseSet
 ) -> ScoredCauseSet | None:
     """A set refitted from the noise of another one; None where its log posterior is below the least
-    and the trials are not likelier under that noise, before and after the numbers are fitted.
+    and the trials are not likelier under that noise.
     """
     problem, model = visited.problem, scored.model
-    improbable = scored.log_posterior <= least
-    if improbable and not is_likelier_under_noise(problem, model, source.noise):
+    if scored.log_posterior <= least and not is_likelier_under_noise(problem, model, source.noise):
         return None
     left = visited.shared_discrepancy(source, model.key) or model.discrepancy
     again = refit_from_fitted_values(problem, model, source.noise, discrepancy=left)
-    if improbable and again.log_joint <= model.log_joint:
-        return None
     return with_own_noise(problem, score_cause_set(problem, again))
 
 

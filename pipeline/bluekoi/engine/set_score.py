@@ -143,10 +143,7 @@ def with_own_noise(
     model = fit_own_noise(problem, scored.model, most=most)
     if model.fit is scored.model.fit:
         return replace(scored, model=model)
-    found = score_cause_set(problem, model)
-    if found.log_posterior > scored.log_posterior:
-        return found
-    return replace(scored, model=replace(scored.model, noise_is_final=True))
+    return max(scored, score_cause_set(problem, model), key=lambda s: s.log_posterior)
 
 
 def score_cause_set(problem: CauseSearchProblem, model: FittedCauseSet) -> ScoredCauseSet:

@@ -50,7 +50,7 @@ RESULT_DESCRIPTIONS = {
 """Result that a figure may need -> its name in a message."""
 PNG_DPI = 150
 LAYOUT_DECIMALS = 9
-"""Decimals of the places of axes, in widths and heights of the figure."""
+"""Decimals of the positions of axes, in widths and heights of the figure."""
 PNG_METADATA: Mapping[str, Any] = {"Software": None}
 """Metadata of a file, without dates: the same results give the same bytes."""
 PDF_METADATA: Mapping[str, Any] = {
@@ -137,10 +137,10 @@ def _save_figure(
 
 
 def _lay_out(figure: Figure) -> None:
-    """Place the axes for good, to `LAYOUT_DECIMALS`.
+    """Lay out the figure once, with the positions of its axes rounded to `LAYOUT_DECIMALS`.
 
     The order in which the layout's equations are solved depends on addresses in memory, and with it
-    the last digit of the places.
+    the last digit of the positions.
     """
     if (engine := figure.get_layout_engine()) is not None:
         engine.execute(figure)

@@ -1,14 +1,15 @@
-"""Derivatives of the filter's likelihood by the matrices of its model, in one pass backwards.
+"""Derivatives of the filter's likelihood with respect to its model's matrices, by one pass back.
 
-With the cost c = -2 log L, a and A its derivatives by the state's mean and covariance after a step:
+With the cost c = -2 log L, a and A its derivatives with respect to the state's mean and covariance
+after a step:
     prediction  x <- F x, P <- F P F' + Q:
         dc/dQ = A,  dc/dF = a x' + 2 A F P,  a <- F' a,  A <- F' A F
     correction  x <- x + K y, P <- P - K H P,  K = P H' S^-1,  v = S^-1 y:
         D = S^-1 - v v' + K' A K,  dc/dR = D - (K'a v' + v a'K) / 2
         b = a - H' K' a,  B = A K - (b v' + H' D) / 2
         A <- A - B H - H' B',  a <- b - 2 H' v
-A measurement beyond the gate adds H' S^-1 H to A, S^-1 to dc/dR. Derivatives by symmetric matrices
-are symmetric: dc = sum(dc/dQ * dQ).
+A measurement beyond the gate adds H' S^-1 H to A, S^-1 to dc/dR. Derivatives with respect to
+symmetric matrices are symmetric: dc = sum(dc/dQ * dQ).
 Reverse differentiation of the recursions in Bar-Shalom, Li, Kirubarajan, Estimation, 2001, sect.
 5.2; the sums over all parameters are those of Koopman and Shephard, Biometrika 79 (1992) 823.
 """
@@ -34,9 +35,9 @@ from .linear_gaussian import LinearGaussianModel
 
 @dataclass(frozen=True)
 class LikelihoodGradient:
-    """Derivatives of -2 log L by F, Q (n, d, d), R (n, p, p) and P0 (d, d).
+    """Derivatives of -2 log L with respect to F, Q (n, d, d), R (n, p, p) and P0 (d, d).
 
-    By F, only those entries that are not zero at all times.
+    Of F, only those entries that are not zero at all times.
     """
 
     F: Float
@@ -69,7 +70,7 @@ def _derivatives_backward(F, H, xp, Pp, Sis, ys, squares, used, gate):  # type: 
         if used[k] and squares[k] <= gate:
             _correction_backward(H[k], Pp[k], Sis[k], ys[k], a, A, gR[k], work)
         elif used[k]:
-            _refused_measurement_backward(H[k], Sis[k], A, gR[k], work[3])
+            _rejected_measurement_backward(H[k], Sis[k], A, gR[k], work[3])
         if k == 0:
             break
         copy_rows(A, gQ[k])
@@ -101,7 +102,7 @@ def _gain_and_weighted_innovation(H, P, Si, y, work):  # type: ignore[no-untyped
 
 @njit(cache=True, error_model="numpy")
 def _correction_backward(H, P, Si, y, a, A, gR, work):  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    """From behind a correction to before it: a and A in place, gR filled."""
+    """Derivatives before a correction from those after it: a and A in place, gR filled."""
     p, d = H.shape
     _gain_and_weighted_innovation(H, P, Si, y, work)
     _, K, v, B, Ka = work
@@ -139,7 +140,7 @@ def _multiply_by_gain(a, A, K, Ka, AK):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _refused_measurement_backward(H, Si, A, gR, B):  # type: ignore[no-untyped-def]
+def _rejected_measurement_backward(H, Si, A, gR, B):  # type: ignore[no-untyped-def]
     """Of a measurement beyond the gate, log det S counts alone."""
     copy_rows(Si, gR)
     B[:, :] = 0.0
@@ -181,7 +182,7 @@ def _subtract_product_and_transpose(B, H, A):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def _mean_backward(F, pattern, x, a, gF, new):  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    """From behind a prediction of the mean x to before it: a in place, gF filled."""
+    """Derivatives before a prediction from those after it, by the mean x: a in place, gF filled."""
     rows, columns = pattern
     for i in range(len(a)):
         new[i] = 0.0
@@ -194,7 +195,7 @@ def _mean_backward(F, pattern, x, a, gF, new):  # type: ignore[no-untyped-def]  
 
 @njit(cache=True, error_model="numpy")
 def _covariance_backward(F, pattern, P, A, gF, step):  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    """From behind a prediction of the covariance P to before it: A in place, added to gF."""
+    """The same by the covariance P: A in place, added to gF."""
     rows, columns = pattern
     FA, _, new = step
     d = len(A)

@@ -43,7 +43,7 @@ class FittedMotionModel:
 
 
 def fit_process_noise(
-    family: ModelOfNoise,
+    model_of_noise: ModelOfNoise,
     seen: BoolNDArray,
     *,
     first: BoolNDArray,
@@ -59,18 +59,20 @@ def fit_process_noise(
     it, predict (deletion residual); those rejected are tried again in each round and count in the
     cost as lying on the gate.
 
-    family: the model for logarithms of the noise (m,). seen: (n,) measured at all; first: (n,) used
-    in the first round. starts: logarithms to search from, the best end counts: motions disturbed in
-    their rate and in their acceleration are separate minima.
+    model_of_noise: the model for logarithms of the noise (m,). seen: (n,) measured at all; first:
+    (n,) used in the first round. starts: logarithms to search from, the best end counts: motions
+    disturbed in their rate and in their acceleration are separate minima.
     """
     used, places = first, starts
-    gate = outlier_gate(family.at(starts[0]).z.shape[1])
+    gate = outlier_gate(model_of_noise.at(starts[0]).z.shape[1])
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
-        ends = [_minimise_noise_cost(family, used, limit, place, spread) for place in places]
+        ends = [
+            _minimise_noise_cost(model_of_noise, used, limit, place, spread) for place in places
+        ]
         logs = min(ends, key=lambda end: end[1])[0]
         places = [logs]
-        model = family.at(logs)
+        model = model_of_noise.at(logs)
         kept = seen & (
             _squared_deletion_residuals(model, _measurements_within_gate(model, used, limit))
             <= gate
@@ -78,7 +80,7 @@ def fit_process_noise(
         if np.array_equal(kept, used):
             break
         used = kept if kept.sum() > 0.5 * seen.sum() else used
-    model = family.at(logs)
+    model = model_of_noise.at(logs)
     cost = _neg_two_log_posterior(model, seen, used, gate) + _neg_log_noise_prior(logs, spread)
     return FittedMotionModel(model, first, used, logs, cost, float(np.exp(logs[-1])))
 
@@ -112,17 +114,17 @@ def _measurements_within_gate(
 
 
 def _minimise_noise_cost(
-    family: ModelOfNoise, used: BoolNDArray, gate: float, start: Float, spread: Float
+    model_of_noise: ModelOfNoise, used: BoolNDArray, gate: float, start: Float, spread: Float
 ) -> tuple[Float, float]:
     """Logarithms of least cost, and the cost, outliers counted as lying on the gate."""
 
     def cost(at: Float) -> tuple[float, Callable[[], Float]]:
-        model = family.at(at)
+        model = model_of_noise.at(at)
         forward = kalman_numba.filter_pass(model, used, gate)
 
         def gradient() -> Float:
             by_matrices = likelihood_gradient(model, used, gate, forward)
-            return family.gradient(at, by_matrices) + 2 * at / spread**2
+            return model_of_noise.gradient(at, by_matrices) + 2 * at / spread**2
 
         if not np.isfinite(forward.cost):
             return 1e12, lambda: np.zeros(len(at))

@@ -13,8 +13,8 @@ import numpy as np
 from ..data import Float
 
 Cost = Callable[[Float], tuple[float, Callable[[], Float]]]
-"""Value at a place, and a function that gives the gradient there: a line search needs it at its end
-only."""
+"""Value at a point, and a function that computes the gradient there, which a line search needs only
+at the point that it accepts."""
 MAX_STEP = 2.0
 MIN_RESTART_GAIN = 1.0
 """A search is begun again at its end, without what it has learned of the curvature, until that

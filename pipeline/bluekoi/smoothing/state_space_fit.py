@@ -176,14 +176,14 @@ def _fit_motion_model(
     steady = replace(
         free, start_variances=variances * [1.0, 1.0, STEADY_ACCELERATION_VARIANCE_SHARE]
     )
-    family: MotionModel = free
+    model_of_noise: MotionModel = free
     other: MotionModel | None = steady
     least_gain = -MIN_LR_STATISTIC_MOVING_START
     if resting:
-        family, other = replace(free, recoil_share=RESTING_RECOIL_VARIANCE_SHARE), free
+        model_of_noise, other = replace(free, recoil_share=RESTING_RECOIL_VARIANCE_SHARE), free
         least_gain = MIN_LR_STATISTIC_MOVING_START
     elif m == 1:
-        family, other = steady, None
+        model_of_noise, other = steady, None
     spread = np.array(
         [
             *PRIOR_LOG_NOISE_STDS,
@@ -198,17 +198,17 @@ def _fit_motion_model(
     starts = _starting_log_noise(m, recoils, np.maximum(largest, 0.0))
     common: dict[str, Any] = {"first": data.plausible, "spread": spread}
     found = fit_process_noise(
-        family,
+        model_of_noise,
         data.seen,
         starts=starts if near is None else [near.white_noise_logs, *starts],
         **common,
     )
     if other and _cost_with_start(found, other.at(found.logs).P0) < found.cost - least_gain:
-        family = other
-        found = fit_process_noise(family, data.seen, starts=[found.logs, *starts], **common)
+        model_of_noise = other
+        found = fit_process_noise(model_of_noise, data.seen, starts=[found.logs, *starts], **common)
     if found.logs[-1] > MAX_LOG_NOISE_RATIO_COLOURED and not coloured:
         return found
-    return _with_coloured_noise_if_better(found, family, data, grid, spread=spread)
+    return _with_coloured_noise_if_better(found, model_of_noise, data, grid, spread=spread)
 
 
 def _with_coloured_noise_if_better(

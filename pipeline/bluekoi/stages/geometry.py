@@ -98,9 +98,11 @@ def _check_by_whole_lengths(
 ) -> dict[str, Any]:
     """Scale by the body's whole length, where keypoints lie at stated lengths."""
     setup, depth = study.setup, study.setup.robot.keypoint_depth_m
-    seen = [read_json(layout.detection(t.trial_id)).get("length_seen") or [] for t in trials]
+    recorded = [read_json(layout.detection(t.trial_id)).get("length_seen") for t in trials]
+    seen = [pairs or [] for pairs in recorded]
     if not any(seen):
-        return {**_unchecked_geometry_json(LENGTHS_NOT_MEASURED), "tail_end_seen": False}
+        found = _unchecked_geometry_json(LENGTHS_NOT_MEASURED)
+        return found if None in recorded else {**found, "tail_end_seen": False}
     camera = _trial_camera(study, trials[0], layout)
     distances = whole_lengths(
         _mapped_keypoint_positions(camera, trials, layout, depth),

@@ -35,7 +35,7 @@ from .compiling import precompile_model_with_effects as preload
 from .layout import ResultPaths, remove_files
 from .motor_measurements import with_frequency_drift, with_spin_up_time_measurement
 from .status import has_measured_lengths, with_numerical_failures_explained
-from .trial_exclusion import contradicted_trials, contradiction_warning, minority_warning
+from .trial_exclusion import contradicted_trials, contradiction_warning, few_trials_warning
 from .tuning import campaign_flapping, campaign_series
 
 __all__ = ["mismatch", "preload"]
@@ -87,7 +87,7 @@ def mismatch(study: Path, results: Path) -> None:
     write_json(results / "mismatch_detail.json", detail)
     content = mismatch_json(found, loaded, series)
     turns = sum(trials[one.name].head_angle_deg != 0 for one in series)
-    own = (contradiction_warning(left_out), minority_warning(len(series), turns, len(trials)))
+    own = (contradiction_warning(left_out), few_trials_warning(len(series), turns, len(trials)))
     content["warnings"] = [*filter(None, own), *content["warnings"]]
     for cause in content["causes"]:
         if cause["name"] in laws:

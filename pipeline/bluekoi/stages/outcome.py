@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,10 +29,11 @@ def outcome(study: Path, results: Path) -> list[str]:
     trials that were used: clocks that disagree, speeds that no swimmer has, powers that do not go
     with the flapping frequency, rigid lengths of another size.
     """
-    done, loaded = ResultPaths(results).outcome, load_study(study)
-    statuses = _trial_statuses(loaded, results)
+    layout, done = ResultPaths(results), ResultPaths(results).outcome
+    loaded = load_study(study)
+    statuses = {t.trial_id: read_json(layout.status(t.trial_id)) for t in loaded.trials}
     bad = [f"{name}: {text}" for name, s in statuses.items() if (text := failure_reason(s))]
-    warnings = run_warnings(loaded, results)
+    warnings = run_warnings(loaded, results, statuses)
     remove_files([done])
     if changed := write_manifest(study, results):
         warnings.insert(0, CHANGED_MESSAGE.format(", ".join(changed)))
@@ -41,20 +43,19 @@ def outcome(study: Path, results: Path) -> list[str]:
     return []
 
 
-def run_warnings(study: Study, results: Path) -> list[str]:
-    """A sentence for each doubt about trials, clocks, lengths and inertia after a run."""
+def run_warnings(
+    study: Study, results: Path, statuses: Mapping[str, Mapping[str, Any]]
+) -> list[str]:
+    """A sentence for each doubt about trials, clocks, lengths and inertia after a run.
+
+    statuses: content of status/ID.json by trial id.
+    """
     geometry, mismatch = (
         read_json_if_present(results / f"{n}.json") for n in ("geometry", "mismatch")
     )
     return [
-        *trial_warnings(study, _trial_statuses(study, results)),
+        *trial_warnings(study, statuses),
         *unchecked_clock_notes(study),
         *length_warnings(geometry, mismatch, study.setup.water.refractive_index),
         *inertia_warnings(study.setup.robot, mismatch),
     ]
-
-
-def _trial_statuses(study: Study, results: Path) -> dict[str, dict[str, Any]]:
-    """Content of status/ID.json of each trial that has one."""
-    paths = {t.trial_id: ResultPaths(results).status(t.trial_id) for t in study.trials}
-    return {name: read_json(path) for name, path in paths.items() if path.is_file()}

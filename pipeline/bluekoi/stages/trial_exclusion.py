@@ -54,15 +54,19 @@ def contradiction_warning(left_out: Mapping[str, str]) -> str:
     )
 
 
-def minority_warning(used: int, turning: int, stated: int) -> str:
+def few_trials_warning(used: int, with_turned_head: int, stated: int) -> str:
     """A sentence where the fits use fewer than half of the stated trials, or no text.
 
-    used, turning: trials that the fits use, and those of them with a turned head.
+    used, with_turned_head: trials that the fits use, and those of them with a head angle.
     """
     if 2 * used >= stated:
         return ""
-    turns = f"{turning} of them with a turned head" if turning else "none with a turned head"
+    turns = (
+        f"{with_turned_head} of them with a turned head"
+        if with_turned_head
+        else "none with a turned head"
+    )
     return (
         f"The verdict rests on {used} of {stated} trials, {turns}: the others could not be used. "
-        "Read the messages on them first; what acts in them is unknown here."
+        "Read the messages on them first."
     )

@@ -45,7 +45,7 @@ class BackgroundModel:
     factor: int
 
     @cached_property
-    def usual_contrast(self) -> float:
+    def median_contrast(self) -> float:
         """Difference in grey levels between the background's median and a body."""
         return abs(float(np.median(self.background)) - self.skin)
 

@@ -124,7 +124,7 @@ def fit_to_image(
     """`fit_midline_pose` of a template to a reduced image."""
     plane = arena.plane
     seen = (picture.change, picture.depth, (plane.to_px, plane.scale_bl, picture.place))
-    tolerance = max(3.0 * arena.noise, 0.3 * arena.usual_contrast)
+    tolerance = max(3.0 * arena.noise, 0.3 * arena.median_contrast)
     return fit_midline_pose(seen, shape.tables, shape.size, pose, tolerance)
 
 

@@ -48,10 +48,10 @@ def length_warnings(
 def _unseen_tail_end_warnings(geometry: Mapping[str, Any]) -> Iterator[str]:
     if not geometry.get("tail_end_seen", True):
         yield (
-            "In no frame is the end of the robot's tail found near the place that study.yaml gives "
-            "it, so that nothing checks the robot's lengths and the scale. If the tail can be seen "
-            "in the pictures, measure body_length_m (nose to caudal base, with the standard head) "
-            "and tail_length_m (caudal base to tip) again."
+            "No frame shows the end of the robot's tail near the position that study.yaml gives: "
+            "the robot's lengths and the scale are not checked. If the tail is visible in the "
+            "frames, measure body_length_m (nose to caudal base, with the standard head) and "
+            "tail_length_m (caudal base to tip) again."
         )
 
 

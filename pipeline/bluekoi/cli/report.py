@@ -78,8 +78,7 @@ def _warnings_of_run(study: Path, results: Path) -> list[str]:
     """Warnings that a run ended with; after a run in which a trial failed, those on its files."""
     from ..errors import InputError  # noqa: PLC0415
     from ..files import read_json  # noqa: PLC0415
-    from ..stages.layout import ResultPaths  # noqa: PLC0415
-    from ..stages.outcome import run_warnings  # noqa: PLC0415
+    from ..stages.outcome import available_trial_statuses, run_warnings  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415
 
     done = results / "outcome.json"  # of a run in which no trial failed
@@ -87,9 +86,7 @@ def _warnings_of_run(study: Path, results: Path) -> list[str]:
         return list(read_json(done).get("warnings", ()))
     try:
         loaded = load_study(study)
-        paths = {t.trial_id: ResultPaths(results).status(t.trial_id) for t in loaded.trials}
-        statuses = {name: read_json(path) for name, path in paths.items() if path.is_file()}
-        return run_warnings(loaded, results, statuses)
+        return run_warnings(loaded, results, available_trial_statuses(loaded, results))
     except InputError:  # no study, or one that has changed: `warn_of_outdated_results` says so
         return []
 

@@ -217,16 +217,13 @@ def _trial_warnings(results: Path, study: str) -> list[str]:
     """Warnings on the trials of a run that ended before its last stage, which prints them; none on
     the demo.
     """
-    from ..files import read_json  # noqa: PLC0415
-    from ..stages.layout import ResultPaths  # noqa: PLC0415
-    from ..stages.outcome import trial_warnings  # noqa: PLC0415
+    from ..stages.outcome import available_trial_statuses, trial_warnings  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415
 
     if study == "demo":
         return []
     loaded = load_study(study)
-    paths = {t.trial_id: ResultPaths(results).status(t.trial_id) for t in loaded.trials}
-    return trial_warnings(loaded, {n: read_json(p) for n, p in paths.items() if p.is_file()})
+    return trial_warnings(loaded, available_trial_statuses(loaded, results))
 
 
 def _study_trial_ids(study: str) -> set[str]:

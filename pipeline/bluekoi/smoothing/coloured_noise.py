@@ -41,13 +41,13 @@ def with_coloured_noise(
 def coloured_noise_gradient(
     by_matrices: LikelihoodGradient, dt_s: Float, variance: float, correlation_s: float
 ) -> Float:
-    """Derivatives of a cost by the logs of variance and correlation time, (2,), from those by the
-    matrices of `with_coloured_noise`.
+    """Derivatives of a cost with respect to the logs of variance and correlation time, (2,), from
+    those with respect to the matrices of `with_coloured_noise`.
     """
     m = by_matrices.R.shape[1]
-    keep = np.exp(-dt_s[1:] / correlation_s)
-    by_keep, by_Q = (np.einsum("nii->n", g[1:, -m:, -m:]) for g in (by_matrices.F, by_matrices.Q))
+    decay = np.exp(-dt_s[1:] / correlation_s)
+    by_decay, by_Q = (np.einsum("nii->n", g[1:, -m:, -m:]) for g in (by_matrices.F, by_matrices.Q))
     by_P0 = float(np.trace(by_matrices.P0[-m:, -m:]))
-    by_variance = variance * (by_P0 + float(by_Q @ (1 - keep**2)))
-    by_time = (by_keep - 2 * variance * keep * by_Q) @ (keep * dt_s[1:] / correlation_s)
+    by_variance = variance * (by_P0 + float(by_Q @ (1 - decay**2)))
+    by_time = (by_decay - 2 * variance * decay * by_Q) @ (decay * dt_s[1:] / correlation_s)
     return np.array([by_variance, float(by_time)])

@@ -66,10 +66,7 @@ def planar_matrices(noise, dt, hz, nominal, theta):  # type: ignore[no-untyped-d
         F[0, i, i] = 1.0
     for k in range(1, n):
         _fill_mean_motion_blocks(F[k], Q[k], dt[k], noise, nominal[k])
-        half = 0.5 * (theta[k] - theta[k - 1])
-        # chord over arc of a steady turn: the step is exact where surge and sway are constant
-        chord = 1.0 if abs(half) < 1e-9 else np.sin(half) / half
-        c, s = np.cos(theta[k] - half), np.sin(theta[k] - half)
+        c, s, chord = mean_direction(theta[k - 1], theta[k])
         _rotate_to_pool_frame(F[k], Q[k], c, s, chord)
         if hz > 0:
             sway = noise[6:]
@@ -77,6 +74,16 @@ def planar_matrices(noise, dt, hz, nominal, theta):  # type: ignore[no-untyped-d
             _fill_recoil_blocks(F[k], Q[k], dt[k] * hz, surge, nominal[k, 0], 6)
             _fill_recoil_blocks(F[k], Q[k], dt[k] * hz, sway, nominal[k, 0], 8)
     return F, Q
+
+
+@njit(cache=True)
+def mean_direction(before, after):  # type: ignore[no-untyped-def]
+    """Cosine and sine of the mean of two headings, and chord over arc of the steady turn between
+    them: with it the step is exact where surge and sway are constant.
+    """
+    half = 0.5 * (after - before)
+    chord = 1.0 if abs(half) < 1e-9 else np.sin(half) / half
+    return np.cos(after - half), np.sin(after - half), chord
 
 
 @njit(cache=True)

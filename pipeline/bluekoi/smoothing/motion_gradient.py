@@ -1,4 +1,4 @@
-"""Derivatives by the logarithms of the noise, of a cost whose derivatives by F and Q are known.
+"""Derivatives with respect to the logs of the noise, of a cost whose derivatives by F, Q are known.
 
 The chain rule through `motion`: dc/d ln(noise_j) = sum(dc/dF * dF/d ln(noise_j)) + the same of Q.
 """
@@ -8,14 +8,15 @@ from __future__ import annotations
 import numpy as np
 
 from ..vector_width import njit
-from .motion import MIN_RECOIL_COHERENCE_BEATS
+from .motion import MIN_RECOIL_COHERENCE_BEATS, mean_direction
 
 
 @njit(cache=True)
 def heading_noise_gradient(noise, dt, hz, nominal, by_F, by_Q):  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    """Derivatives (noise,) of a cost by the logs of the noise of `motion.heading_matrices`.
+    """Derivatives (noise,) of a cost with respect to the logs of the noise of a heading.
 
-    noise, dt, hz, nominal: as there. by_F, by_Q: (n, 5, 5), derivatives by what it returns.
+    noise, dt, hz, nominal: as in `motion.heading_matrices`. by_F, by_Q: (n, 5, 5), derivatives with
+    respect to the matrices that it returns.
     """
     out = np.zeros(len(noise))
     gF, gQ = np.empty((3, 3)), np.empty((3, 3))
@@ -25,9 +26,9 @@ def heading_noise_gradient(noise, dt, hz, nominal, by_F, by_Q):  # type: ignore[
                 gF[i, j], gQ[i, j] = by_F[k, i, j], by_Q[k, i, j]
         _add_mean_motion(gF, gQ, dt[k], noise, nominal[k], 0, out)
         if hz > 0:
-            part = _recoil_part(by_F[k], by_Q[k], dt[k] * hz, noise[4:], nominal[k, 0], 3)
+            slopes = _recoil_gradient(by_F[k], by_Q[k], dt[k] * hz, noise[4:], nominal[k, 0], 3)
             for j in range(3):
-                out[4 + j] += part[j]
+                out[4 + j] += slopes[j]
     return out
 
 
@@ -37,27 +38,26 @@ def planar_noise_gradient(noise, dt, hz, nominal, theta, by_F, by_Q):  # type: i
     out = np.zeros(len(noise))
     gF, gQ = np.empty((3, 3)), np.empty((3, 3))
     for k in range(1, len(dt)):
-        half = 0.5 * (theta[k] - theta[k - 1])
-        chord = 1.0 if abs(half) < 1e-9 else np.sin(half) / half
-        c, s = np.cos(theta[k] - half), np.sin(theta[k] - half)
+        c, s, chord = mean_direction(theta[k - 1], theta[k])
         for i in range(2):  # surge, sway
             _in_body_frame(by_F[k], by_Q[k], c, s, chord, i, gF, gQ)
             _add_mean_motion(gF, gQ, dt[k], noise, nominal[k], i, out)
         if hz > 0:
             for i in range(2):
                 recoil = np.array([noise[5 + i], noise[7], noise[8]])
-                part = _recoil_part(by_F[k], by_Q[k], dt[k] * hz, recoil, nominal[k, 0], 6 + 2 * i)
-                out[5 + i] += part[0]
-                out[7] += part[1]
-                out[8] += part[2]
+                slopes = _recoil_gradient(
+                    by_F[k], by_Q[k], dt[k] * hz, recoil, nominal[k, 0], 6 + 2 * i
+                )
+                out[5 + i] += slopes[0]
+                out[7] += slopes[1]
+                out[8] += slopes[2]
     return out
 
 
 @njit(cache=True)
 def _in_body_frame(by_F, by_Q, c, s, chord, i, gF, gQ):  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    """Fill the derivatives (3, 3) by position, rate and acceleration along axis i of the body.
-
-    The derivatives by a matrix turned as in `motion._rotate_to_pool_frame`, turned back.
+    """Fill the derivatives (3, 3) for position, rate and acceleration along axis i of the body:
+    transposed rotation of `motion._rotate_to_pool_frame`.
     """
     x, y = (c, s) if i == 0 else (-s, c)  # the axis in the pool frame
     for m in range(3):
@@ -73,7 +73,7 @@ def _in_body_frame(by_F, by_Q, c, s, chord, i, gF, gQ):  # type: ignore[no-untyp
 
 @njit(cache=True)
 def _add_mean_motion(gF, gQ, dt, noise, nominal, i, out):  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    """Add the derivatives by tau, densities, start-up factor and share of sway (for i = 1)."""
+    """Add derivatives with respect to tau, densities, start-up factor, share of sway (i = 1)."""
     tau = noise[0] / nominal[1]
     decay = np.exp(-dt / tau)
     gain = -tau * np.expm1(-dt / tau)
@@ -98,20 +98,20 @@ def _add_mean_motion(gF, gQ, dt, noise, nominal, i, out):  # type: ignore[no-unt
 
 
 @njit(cache=True)
-def _recoil_part(by_F, by_Q, beats, recoil, onset, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    """Derivatives by variance, coherence and decay rate of one recoil, as in
+def _recoil_gradient(by_F, by_Q, beats, recoil, onset, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """Derivatives with respect to variance, coherence and decay rate of one recoil, as in
     `motion._fill_recoil_blocks`.
     """
     variance, coherence_beats = recoil[0], MIN_RECOIL_COHERENCE_BEATS + recoil[1]
-    keep = np.exp(-beats * (1.0 / coherence_beats + recoil[2] * onset))
+    decay = np.exp(-beats * (1.0 / coherence_beats + recoil[2] * onset))
     c, s = np.cos(2 * np.pi * beats), np.sin(2 * np.pi * beats)
     by_variance = by_Q[at, at] + by_Q[at + 1, at + 1]
-    by_keep = (
+    by_decay = (
         c * (by_F[at, at] + by_F[at + 1, at + 1]) + s * (by_F[at + 1, at] - by_F[at, at + 1])
-        - 2.0 * variance * keep * by_variance
+        - 2.0 * variance * decay * by_variance
     )  # fmt: skip
     return (
-        by_variance * variance * (1 - keep**2),
-        by_keep * keep * beats * recoil[1] / coherence_beats**2,
-        -by_keep * keep * beats * recoil[2] * onset,
+        by_variance * variance * (1 - decay**2),
+        by_decay * decay * beats * recoil[1] / coherence_beats**2,
+        -by_decay * decay * beats * recoil[2] * onset,
     )

@@ -25,7 +25,7 @@ class ModelOfNoise(Protocol):
         """The model with this noise."""
 
     def gradient(self, logs: Float, by_matrices: LikelihoodGradient) -> Float:
-        """Derivatives by the logs, (logs,), of a cost with these derivatives by the matrices."""
+        """Derivatives (logs,) of a cost with respect to the logs, from those of the matrices."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class MotionModel:
         return LinearGaussianModel(F, Q, self.H, R, self.data.z, self.x0, P0)
 
     def gradient(self, logs: Float, by_matrices: LikelihoodGradient) -> Float:
-        """Derivatives by the logs, (logs,), of a cost with these derivatives by the matrices."""
+        """Derivatives (logs,) of a cost with respect to the logs, from those of the matrices."""
         noise, m = self._noise(logs), self.data.z.shape[1]
         out = np.zeros(len(logs))
         out[:-1] = self.matrices.noise_gradient(noise, by_matrices.F, by_matrices.Q)
@@ -117,7 +117,7 @@ class ColouredNoiseModel:
         return with_coloured_noise(white, self.dt_s, variance, time_s)
 
     def gradient(self, logs: Float, by_matrices: LikelihoodGradient) -> Float:
-        """Derivatives by the logs, (logs,), of a cost with these derivatives by the matrices."""
+        """Derivatives (logs,) of a cost with respect to the logs, from those of the matrices."""
         d = len(by_matrices.P0) - by_matrices.R.shape[1]
         F, Q = by_matrices.F[:, :d, :d], by_matrices.Q[:, :d, :d]
         inner = LikelihoodGradient(F, Q, by_matrices.R, by_matrices.P0[:d, :d])

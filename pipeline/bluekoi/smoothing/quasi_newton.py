@@ -24,7 +24,7 @@ lowers the cost (twice a log likelihood) by less: a poor estimate of the curvatu
 def minimise(
     cost: Cost, start: Float, *, enough: float = 0.2, steps: int = 16
 ) -> tuple[Float, float]:
-    """Place and value of a minimum of `cost` by BFGS.
+    """Point and value of a minimum of `cost` by BFGS.
 
     Ends where the next step promises less than `enough`, or after `steps`, and begins again there.
     """
@@ -36,7 +36,7 @@ def minimise(
 
 
 def _minimise_once(cost: Cost, start: Float, enough: float, steps: int) -> tuple[Float, float]:
-    """Place and value where BFGS ends. Source: Nocedal, Wright, Numerical Optimization, 2006,
+    """Point and value where BFGS ends. Source: Nocedal, Wright, Numerical Optimization, 2006,
     algorithm 6.1, backtracking line search 3.1.
     """
     at = start
@@ -44,12 +44,12 @@ def _minimise_once(cost: Cost, start: Float, enough: float, steps: int) -> tuple
     slope = gradient()
     inverse = np.eye(len(at)) / max(float(np.abs(slope).max()), 1.0)
     for _ in range(steps):
-        way = -(inverse @ slope)
-        way *= min(1.0, MAX_STEP / max(float(np.abs(way).max()), 1e-12))
-        promise = -float(slope @ way)
-        if promise < enough:
+        direction = -(inverse @ slope)
+        direction *= min(1.0, MAX_STEP / max(float(np.abs(direction).max()), 1e-12))
+        predicted_decrease = -float(slope @ direction)
+        if predicted_decrease < enough:
             break
-        found = _backtracking_line_search(cost, at, way, (value, promise))
+        found = _backtracking_line_search(cost, at, direction, (value, predicted_decrease))
         if found is None:
             break
         there, lower, gradient = found
@@ -60,19 +60,17 @@ def _minimise_once(cost: Cost, start: Float, enough: float, steps: int) -> tuple
 
 
 def _backtracking_line_search(
-    cost: Cost, at: Float, way: Float, known: tuple[float, float]
+    cost: Cost, at: Float, direction: Float, known: tuple[float, float]
 ) -> tuple[Float, float, Callable[[], Float]] | None:
-    """Place on the way where the cost is lower by enough, cost and gradient there; None if there
-    is none.
-    """
-    value, promise = known
-    share = 1.0
-    while share > 0.02:
-        there = at + share * way
+    """Point, cost and gradient of the first step that lowers the cost by enough; otherwise None."""
+    value, predicted_decrease = known
+    step_length = 1.0
+    while step_length > 0.02:
+        there = at + step_length * direction
         lower, gradient = cost(there)
-        if lower < value - 1e-3 * share * promise:
+        if lower < value - 1e-3 * step_length * predicted_decrease:
             return there, lower, gradient
-        share *= 0.4
+        step_length *= 0.4
     return None
 
 

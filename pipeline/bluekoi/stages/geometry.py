@@ -32,8 +32,8 @@ from .status import has_measured_lengths, successful_trials
 
 LENGTHS_NOT_MEASURED = (
     "the keypoints were placed at the lengths of study.yaml, which say nothing of scale, lens or "
-    "depth, and in no frame the tail is seen to end near the place that body_length_m and "
-    "tail_length_m give it: measure both again, or use dots, markers or a network"
+    "depth, and no frame shows the end of the tail near the position given by body_length_m and "
+    "tail_length_m: measure both again, or use dots, markers or a network"
 )
 STATED_LENGTH_ADVICE = (
     "; so would body_length_m or tail_length_m stated wrongly: measure the robot again"

@@ -59,3 +59,9 @@ def run_warnings(
         *length_warnings(geometry, mismatch, study.setup.water.refractive_index),
         *inertia_warnings(study.setup.robot, mismatch),
     ]
+
+
+def available_trial_statuses(study: Study, results: Path) -> dict[str, dict[str, Any]]:
+    """Content of status/ID.json by trial id, of the trials that have one so far."""
+    paths = {t.trial_id: ResultPaths(results).status(t.trial_id) for t in study.trials}
+    return {name: read_json(path) for name, path in paths.items() if path.is_file()}

@@ -102,6 +102,32 @@ def test_the_whole_length_of_a_silhouette_gives_the_scale(detected_study, tmp_pa
     assert shares == pytest.approx(share - 1, abs=0.003)
 
 
+@pytest.mark.parametrize("sidecar", [True, False])
+def test_keypoint_files_of_the_silhouette_detector_are_not_measured_lengths(
+    detected_study, tmp_path, sidecar
+):
+    """Given as source of a study, they say no more of scale and lens than the video does."""
+    study, results = detected_study
+    again = tmp_path / "study"
+    shutil.copytree(study, again)
+    for trial in load_study(study).trials:
+        given = read_keypoints_of_trial(ResultPaths(results).keypoints(trial.trial_id), trial, {})
+        lengths = np.random.default_rng(5).normal(0.97, 0.001, len(given.time_s))
+        path = again / trial.source
+        write_keypoints_csv(path, replace(given, length_seen=lengths), "silhouette")
+        if not sidecar:
+            path.with_suffix(".cov.csv").unlink()
+        keypoints(again, tmp_path / "results", trial.trial_id)
+    found = geometry_json(again, tmp_path / "results")
+    if sidecar:
+        assert found["measured"] == "whole length"
+        assert found["scale"] == pytest.approx(0.97, abs=0.002)
+    else:
+        assert (found["scale"], found["likely"]) == (None, "unknown")
+        assert "lengths of study.yaml" in found["sentence"]
+        assert not length_warnings(found, None)
+
+
 def test_whole_lengths_a_little_off_show_no_error(detected_study, tmp_path):
     study, results = detected_study
     shutil.copytree(results, tmp_path / "results")

@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from bluekoi.motor.log_synchrony import lag_deviations_from_majority, log_synchrony_warnings
+from bluekoi.motor.log_synchrony import (
+    lag_deviations_from_majority,
+    log_synchrony_warnings,
+    repeats_with_two_lags,
+)
 from bluekoi.study import Trial
 
 
@@ -71,3 +75,28 @@ def test_the_log_of_another_trial_of_the_same_power_is_named():
     other = status(-0.49, agrees=False, video_hz=0.993 * 2.35)  # as newcomers exchanged them
     (sentence,) = log_synchrony_warnings({}, lags | {"C": other})
     assert sentence.startswith("Trial C: ")
+
+
+def test_logs_that_are_late_in_half_of_the_trials_are_named():
+    """A demo whose logs are 0.4 s late in 12 of its 24 trials: at 2.36 Hz that is nearly a beat."""
+    hz = np.repeat([2.36, 4.04, 5.83], 8) + np.tile([0.0, 0.01], 12)
+    late = np.tile([0, 0, 0, 1, 1, 1, 1, 1], 3)
+    late[16:] = [0, 0, 0, 1, 1, 0, 0, 0]
+    lag = np.angle(np.exp(1j * (2.07 - 2 * np.pi * 0.4 * late * hz)))
+    found = repeats_with_two_lags(hz, lag)
+    assert [(some.tolist(), others.tolist()) for some, others, _ in found] == [
+        ([11, 12, 13, 14, 15], [8, 9, 10]), ([16, 17, 18, 21, 22, 23], [19, 20]),
+    ]  # fmt: skip
+    beats = {f"T{i}": status(x, flap_hz=f) for i, (f, x) in enumerate(zip(hz, lag, strict=True))}
+    first, second = log_synchrony_warnings({}, beats)
+    assert first.startswith("Trials T11, T12, T13, T14, T15 and trials T8, T9, T10 flap")
+    assert "beat 94 ms earlier" in first
+    assert "beat 57 ms earlier" in second
+
+
+def test_one_delay_of_all_logs_gives_no_groups():
+    rng = np.random.default_rng(1)
+    hz = np.repeat([1.6, 2.35, 4.0], 6)
+    lag = np.angle(np.exp(1j * (2.0 + 2 * np.pi * 0.2 * hz + rng.normal(0, 0.1, 18))))
+    assert repeats_with_two_lags(hz, lag) == []
+    assert repeats_with_two_lags(np.zeros(0), np.zeros(0)) == []

@@ -20,7 +20,9 @@ from .sleap import is_sleap, read_slp
 from .sleap import read_table as read_sleap
 
 SCORER = "bluekoi"
+"""Scorer in the files of our own detectors, followed by a dot and the detector's name."""
 TRIALS_FILE = "trials.csv"
+LENGTH_SEEN_COLUMN = "length_seen"
 COVARIANCE_ENTRIES = (("xx", 0, 0), ("xy", 0, 1), ("yy", 1, 1))
 
 
@@ -29,9 +31,10 @@ def read_keypoints_of_trial(
 ) -> Keypoints:
     """Keypoints of a trial from a csv or h5 file, times = frame / trial.fps.
 
-    A sidecar `<name>.cov.csv` beside the file, as `write_keypoints_csv` makes it, gives true times
-    and covariances; without it the covariance is the noise of the positions themselves. In files of
-    others a likelihood of 0.1 is enough where most points of a part have less than 0.6.
+    A sidecar `<name>.cov.csv` beside the file, as `write_keypoints_csv` makes it, gives true times,
+    covariances and the whole lengths seen; without it the covariance is the noise of the positions
+    themselves. In files of others a likelihood of 0.1 is enough where most points of a part have
+    less than 0.6.
 
     Raises: InputError where the file is missing, is not DeepLabCut's (or SLEAP's) layout, is empty
     or damaged, or lacks the parts that a head direction and a core centre need.
@@ -64,10 +67,23 @@ def is_written_by_bluekoi(path: Path) -> bool:
     """Whether `write_keypoints_csv` wrote a file, with covariances beside it: its likelihoods are
     those of our detectors, of which less than 0.6 means not seen.
     """
-    if path.suffix.lower() != ".csv" or not covariance_path(path).is_file():
-        return False
+    own = _scorer(path).partition(".")[0] == SCORER
+    return own and covariance_path(path).is_file()
+
+
+def detector_of_file(path: Path) -> str:
+    """Which of our detectors found the keypoints of a file; empty for files of others."""
+    scorer, _, detector = _scorer(path).partition(".")
+    return detector if scorer == SCORER else ""
+
+
+def _scorer(path: Path) -> str:
+    """Scorer of the first column of a csv file; empty for other files."""
+    if path.suffix.lower() != ".csv":
+        return ""
     with path.open("rb") as content:
-        return content.readline(64).startswith(f"scorer,{SCORER},".encode())
+        first, _, rest = content.readline(64).decode("utf-8", "replace").partition(",")
+    return rest.partition(",")[0].strip() if first == "scorer" else ""
 
 
 def read_detections(path: Path, trial: Trial) -> Keypoints:
@@ -105,12 +121,16 @@ def covariance_path(path: str | Path) -> Path:
     return Path(path).with_suffix(".cov.csv")
 
 
-def write_keypoints_csv(path: str | Path, keypoints: Keypoints) -> None:
-    """Write keypoints in DeepLabCut's csv layout and their covariances [px^2] beside it."""
+def write_keypoints_csv(path: str | Path, keypoints: Keypoints, detector: str = "") -> None:
+    """Write keypoints in DeepLabCut's csv layout and their covariances [px^2] beside it.
+
+    detector: the one of ours that found them; the scorer tells it to later readers.
+    """
+    scorer = f"{SCORER}.{detector}" if detector else SCORER
     names, n = keypoints.names, len(keypoints.time_s)
     cells = np.concatenate([keypoints.xy_px, keypoints.likelihood[..., None]], axis=2)
     with atomic_write(path) as temporary, temporary.open("w", encoding="utf-8") as out:
-        out.write("scorer," + ",".join([SCORER] * 3 * len(names)) + "\n")
+        out.write("scorer," + ",".join([scorer] * 3 * len(names)) + "\n")
         out.write("bodyparts," + ",".join(name for name in names for _ in range(3)) + "\n")
         out.write("coords," + ",".join(["x", "y", "likelihood"] * len(names)) + "\n")
         for i, row in enumerate(cells.reshape(n, -1)):
@@ -124,11 +144,13 @@ def _write_covariance(path: Path, keypoints: Keypoints) -> None:
         columns |= {
             f"{name}_{pair}": keypoints.cov_px2[:, k, i, j] for pair, i, j in COVARIANCE_ENTRIES
         }
+    if keypoints.length_seen is not None:
+        columns[LENGTH_SEEN_COLUMN] = keypoints.length_seen
     write_columns(path, columns)
 
 
 def _with_stored_covariance(found: Keypoints, path: Path) -> Keypoints:
-    """Keypoints with times and covariances of the sidecar, row by row."""
+    """Keypoints with times, covariances and whole lengths of the sidecar, row by row."""
     names = [f"{name}_{pair}" for name in found.names for pair, _, _ in COVARIANCE_ENTRIES]
     columns = read_columns(path, ("time_s", *names))
     if len(columns["time_s"]) != len(found.time_s):
@@ -138,4 +160,6 @@ def _with_stored_covariance(found: Keypoints, path: Path) -> Keypoints:
     for k, name in enumerate(found.names):
         for pair, i, j in COVARIANCE_ENTRIES:
             cov[:, k, i, j] = cov[:, k, j, i] = columns[f"{name}_{pair}"]
-    return replace(found, time_s=columns["time_s"], cov_px2=cov)
+    return replace(
+        found, time_s=columns["time_s"], cov_px2=cov, length_seen=columns.get(LENGTH_SEEN_COLUMN)
+    )

@@ -31,12 +31,20 @@ REMEDY = (
 def log_synchrony_warnings(
     trials: Mapping[str, Trial], statuses: Mapping[str, Mapping[str, Any]]
 ) -> list[str]:
-    """A sentence for each motor log that several recordings share, and for each trial whose tail
-    beat is out of step with its log.
+    """A sentence for each motor log that several recordings share, for each trial whose tail beat
+    is out of step with its log, and for two groups of trials of one frequency that are out of step
+    with each other.
 
     statuses: content of status/ID.json by trial id, or what `check` knows of it.
     """
-    return [*_shared_log_warnings(trials), *_out_of_step_warnings(statuses)]
+    seen = {name: status.get("flapping") or {} for name, status in statuses.items()
+            if status.get("ok")}  # fmt: skip
+    beats = {name: beat for name, beat in seen.items() if _is_lag_meaningful(beat)}
+    return [
+        *_shared_log_warnings(trials),
+        *_out_of_step_warnings(beats),
+        *_two_delays_warnings(beats),
+    ]
 
 
 def _shared_log_warnings(trials: Mapping[str, Trial]) -> list[str]:
@@ -52,12 +60,8 @@ def _shared_log_warnings(trials: Mapping[str, Trial]) -> list[str]:
     ]
 
 
-def _out_of_step_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    seen = {name: status.get("flapping") or {} for name, status in statuses.items()
-            if status.get("ok")}  # fmt: skip
-    beats = {name: beat for name, beat in seen.items() if _is_lag_meaningful(beat)}
-    hz, lag = (np.array([b[key] for b in beats.values()]) for key in ("flap_hz", "beat_lag_rad"))
-    off = lag_deviations_from_majority(hz, lag)
+def _out_of_step_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    off = lag_deviations_from_majority(*_frequencies_and_lags(beats))
     return [
         f"Trial {name}: the tail beats {abs(by) / (2 * np.pi * beat['flap_hz']) * 1e3:.0f} ms "
         f"{'before' if by < 0 else 'after'} the time at which the motor log and the other trials "
@@ -65,6 +69,24 @@ def _out_of_step_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str
         for (name, beat), by in zip(beats.items(), off, strict=True)
         if by != 0.0
     ]
+
+
+def _two_delays_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    names, (hz, lag) = np.array(list(beats)), _frequencies_and_lags(beats)
+    return [
+        f"Trials {', '.join(names[some])} and trials {', '.join(names[others])} flap at the same "
+        f"frequency, {hz[some].mean():.2f} Hz, but against their motor logs the tails of the "
+        f"second group beat {1e3 * abs(apart) / hz[some].mean():.0f} ms "
+        f"{'earlier' if apart < 0 else 'later'}, or that and whole beats of "
+        f"{1e3 / hz[some].mean():.0f} ms: in one of these groups, log and video do not begin "
+        "together. Check time_s in the motor logs, and start_s."
+        for some, others, apart in repeats_with_two_lags(hz, lag)
+    ]
+
+
+def _frequencies_and_lags(beats: Mapping[str, Mapping[str, Any]]) -> tuple[Float, Float]:
+    hz, lag = (np.array([b[key] for b in beats.values()]) for key in ("flap_hz", "beat_lag_rad"))
+    return hz, lag
 
 
 def _is_lag_meaningful(beat: Mapping[str, Any]) -> bool:
@@ -89,3 +111,30 @@ def lag_deviations_from_majority(flap_hz: Float, lag_rad: Float) -> Float:
     repeats = np.abs(np.log(flap_hz[:, None] / flap_hz)) < REPEAT_FREQUENCY_TOLERANCE_SHARE
     confirmed = (alike & repeats).sum(axis=1) > 1
     return np.where((np.abs(off) > LAG_TOLERANCE_RAD) & ~confirmed, off, 0.0)
+
+
+def repeats_with_two_lags(
+    flap_hz: Float, lag_rad: Float
+) -> list[tuple[np.ndarray, np.ndarray, float]]:
+    """Trials of one frequency that fall into two groups of different lags: the places of the larger
+    group (at least `MIN_ALIKE_TRIALS`) and of the other one (at least two) among all trials (n,),
+    and how much later the second one is, in beats from -0.5 to 0.5.
+
+    One delay of all logs, or a tail that bends, changes all lags at a frequency alike.
+    """
+    alike = np.abs(wrap_angle(lag_rad[None, :] - lag_rad[:, None])) <= LAG_TOLERANCE_RAD
+    repeats = np.abs(np.log(flap_hz[:, None] / flap_hz)) < REPEAT_FREQUENCY_TOLERANCE_SHARE
+    left, found = np.ones(len(lag_rad), dtype=bool), []
+    while left.any():
+        near = repeats & left
+        same = near[int(np.argmax(near.sum(axis=1) * left))]
+        left &= ~same
+        groups = alike & same & same[:, None]
+        most = groups[int(np.argmax(groups.sum(axis=1)))]
+        rest = groups & ~most & ~most[:, None]
+        others = rest[int(np.argmax(rest.sum(axis=1)))]
+        if most.sum() >= MIN_ALIKE_TRIALS and others.sum() > 1:
+            first, second = (np.exp(1j * lag_rad[some]).sum() for some in (most, others))
+            apart = float(np.angle(second / first)) / (2 * np.pi)
+            found.append((np.flatnonzero(most), np.flatnonzero(others), apart))
+    return found

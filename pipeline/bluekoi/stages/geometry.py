@@ -32,8 +32,15 @@ from .status import has_measured_lengths, successful_trials
 
 LENGTHS_NOT_MEASURED = (
     "the keypoints were placed at the lengths of study.yaml, which say nothing of scale, lens or "
-    "depth, and no frame shows the end of the tail near the position given by body_length_m and "
+    "depth"
+)
+TAIL_END_NOT_SEEN = (
+    ", and no frame shows the end of the tail near the position given by body_length_m and "
     "tail_length_m: measure both again, or use dots, markers or a network"
+)
+WHOLE_LENGTH_NOT_KEPT = (
+    ", and no whole length was measured (keypoint files of the silhouette detector hold it in the "
+    ".cov.csv beside them)"
 )
 STATED_LENGTH_ADVICE = (
     "; so would body_length_m or tail_length_m stated wrongly: measure the robot again"
@@ -101,8 +108,10 @@ def _check_by_whole_lengths(
     recorded = [read_json(layout.detection(t.trial_id)).get("length_seen") for t in trials]
     seen = [pairs or [] for pairs in recorded]
     if not any(seen):
-        found = _unchecked_geometry_json(LENGTHS_NOT_MEASURED)
-        return found if None in recorded else {**found, "tail_end_seen": False}
+        kept = None not in recorded
+        why = TAIL_END_NOT_SEEN if kept else WHOLE_LENGTH_NOT_KEPT
+        found = _unchecked_geometry_json(f"{LENGTHS_NOT_MEASURED}{why}")
+        return {**found, "tail_end_seen": False} if kept else found
     camera = _trial_camera(study, trials[0], layout)
     distances = whole_lengths(
         _mapped_keypoint_positions(camera, trials, layout, depth),

@@ -12,7 +12,7 @@ import numpy as np
 from .. import keypoints as sources
 from ..data import Float, Frame, Keypoints
 from ..errors import InputError, input_error
-from ..keypoints.deeplabcut import write_keypoints_csv
+from ..keypoints.deeplabcut import detector_of_file, write_keypoints_csv
 from ..study import Study, Trial, load_study, missing_files_of_trial
 from ..study.frame_count import check_frame_count
 from .layout import ResultPaths
@@ -53,26 +53,30 @@ def _write_detection(study: Study, trial: Trial, path: Path, threads: int) -> di
         raise input_error(
             study.paths(trial)[0], "", "no frames", "frames between start_s and end_s"
         )
-    write_keypoints_csv(path, found)
+    write_keypoints_csv(path, found, notes["source"] if notes["source"] != "deeplabcut" else "")
     notes = notes | {"length_seen": sampled_lengths(found)}
     return {"remarks": list(found.remarks), "frames_read": len(found.time_s), **notes}
 
 
-def sampled_lengths(found: Keypoints) -> list[list[float]]:
-    """Pairs frame, whole length seen over stated, of some frames all over the recording."""
+def sampled_lengths(found: Keypoints) -> list[list[float]] | None:
+    """Pairs frame, whole length seen over stated, of some frames all over the recording; None where
+    the source does not measure it.
+    """
     if found.length_seen is None:
-        return []
+        return None
     frames = np.flatnonzero(np.isfinite(found.length_seen))
     some = frames[:: max(1, -(-len(frames) // MAX_LENGTH_SAMPLES))]
     return [[int(i), float(found.length_seen[i])] for i in some]
 
 
 def _read_keypoint_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str, Any]]:
+    path = study.paths(trial)[0]
     found = sources.source_module("deeplabcut").read_keypoints_of_trial(
-        study.paths(trial)[0], trial, study.setup.bodyparts
+        path, trial, study.setup.bodyparts
     )
     check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
-    return found, {"source": "deeplabcut", "frames_declared": len(found.time_s)}
+    source = detector_of_file(path) or "deeplabcut"
+    return found, {"source": source, "frames_declared": len(found.time_s)}
 
 
 def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str, Any]]:

@@ -26,7 +26,7 @@ from ..mismatch.rigid_lengths import rigid_length_measurement
 from ..mismatch.wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock
 from ..model import robot_system, two_plate_system
 from ..motor import log_lead_from_beat_phases
-from ..study import Study, StudySettings, load_study
+from ..study import StudySettings, load_study
 from ..study.data_split import held_out_trials
 from ..tuning import downsampled, session_places, trial_kernel
 from .clock_factor import correct_clock, with_clock_cause
@@ -66,7 +66,7 @@ def mismatch(study: Path, results: Path) -> None:
         series, campaign.geometry or {}, loaded.setup, fitted=fitted, left_out=left_out.keys(),
         order=[trial.trial_id for trial in loaded.trials],
     )  # fmt: skip
-    series = with_keypoint_distances_from_nose(series, loaded, ResultPaths(results))
+    series = with_keypoint_distances_from_nose(series, ResultPaths(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=stage_logger.info)
     kernel = trial_kernel(series)
     series = with_displacement_constants(kernel, series, found.displacements)
@@ -166,7 +166,7 @@ def _detector_error_share(geometry: Mapping[str, Any]) -> float:
 
 
 def with_keypoint_distances_from_nose(
-    series: Sequence[TrialSeries], study: Study, layout: ResultPaths
+    series: Sequence[TrialSeries], layout: ResultPaths
 ) -> list[TrialSeries]:
     """Series that know where their keypoints were placed back from the nose at stated lengths."""
     slots = two_plate_system().constants
@@ -174,8 +174,7 @@ def with_keypoint_distances_from_nose(
     out = []
     for one in series:
         constants = one.constants.copy()
-        filmed = not study.trial(one.name).reads_keypoints
-        if filmed and not has_measured_lengths(layout.detection(one.name)):
+        if not has_measured_lengths(layout.detection(one.name)):
             constants[ahead] = constants[head] * np.cos(one.inputs[0, 0]) + constants[hinge]
         out.append(replace(one, constants=constants))
     return out

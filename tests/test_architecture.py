@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import re
 import subprocess
 import sys
@@ -187,3 +188,17 @@ def test_tests_assert():
         and not re.search(r"\bassert|raises\(|assert_", ast.unparse(node))
     ]
     assert silent == []
+
+
+@pytest.mark.parametrize("writable", [True, False])
+def test_compiled_code_of_a_read_only_installation_is_kept_in_the_named_cache(tmp_path, writable):
+    code = (
+        f"import os; os.access = lambda *_: {writable};"
+        "from bluekoi.fitting.recursion import fill_log_likelihoods as f; print(f.stats.cache_path)"
+    )
+    env = {k: v for k, v in os.environ.items() if not k.startswith("NUMBA_")}
+    found = subprocess.run(
+        [sys.executable, "-P", "-c", code], env=env | {"BLUEKOI_CACHE": str(tmp_path)},
+        capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    assert found.startswith(str(tmp_path / "numba")) is not writable

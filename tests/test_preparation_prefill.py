@@ -113,8 +113,11 @@ def test_a_folder_of_many_pictures_is_a_recording_and_one_of_few_is_not(tmp_path
 
 
 def test_a_recording_that_trials_csv_cannot_name_is_left_out_with_a_note(tmp_path):
-    files, notes = usable_study_files(make_folder(tmp_path, ["x;y.mp4", "z.mp4", "l;og.csv"]))
+    files, notes = usable_study_files(
+        make_folder(tmp_path, ["w\n.mp4", "x;y.mp4", "z.mp4", "l;og.csv"])
+    )
     assert (files.videos, files.motor_logs) == (("z.mp4",), ("l;og.csv",))
     assert notes == (
+        "w .mp4 is left out: a line break separates the rows in trials.csv. Rename it.",
         "x;y.mp4 is left out: ';' separates the files of one recording in trials.csv. Rename it.",
     )

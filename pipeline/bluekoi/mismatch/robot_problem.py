@@ -148,8 +148,8 @@ def undetermined_causes(system: System, series: Sequence[TrialSeries]) -> list[s
 def undetermined_cause_warnings(system: System, series: Sequence[TrialSeries]) -> list[str]:
     """A sentence for each of `undetermined_causes`: what to film."""
     return [
-        f"{name} cannot be judged, because no trials turn to both sides. Film the same head angles "
-        "to the other side as well."
+        f"{name} cannot be judged, because the fitted trials do not turn to both sides. Film the "
+        "same head angles to the other side as well, and do not hold out all turns to one side."
         for name in undetermined_causes(system, series)
     ]
 

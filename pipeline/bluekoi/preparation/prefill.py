@@ -35,6 +35,12 @@ LOG_WORDS_PATTERN = re.compile(r"(?i)^(motor|log|angle|shaft|encoder)[_\-. ]|"
 """Words that the name of a motor log may have beside that of its recording."""
 OPTIONAL_KEYS = {"camera": ("matrix", "distortion"), "robot": ("keypoint_depth_m",)}
 """Section -> keys that a new study.yaml shows as comments."""
+NAME_SEPARATORS = {
+    ";": "';' separates the files of one recording",
+    "\n": "a line break separates the rows",
+    "\r": "a line break separates the rows",
+}
+"""What separates sources and rows of trials.csv -> what it does there."""
 
 
 @dataclass(frozen=True)
@@ -82,16 +88,20 @@ def study_files(folder: Path) -> StudyFiles:
 def usable_study_files(folder: Path) -> tuple[StudyFiles, tuple[str, ...]]:
     """Files of a folder that trials.csv can name, and a sentence on each recording that it cannot.
 
-    `;` separates the files of one recording in trials.csv, so that no name may contain it.
+    `;` separates the files of one recording in trials.csv, and a line break its rows, so that no
+    name may contain them.
     """
     files = study_files(folder)
     kinds = ("videos", "keypoints", "pictures")
-    kept = {kind: tuple(n for n in getattr(files, kind) if ";" not in n) for kind in kinds}
-    notes = tuple(
-        f"{name} is left out: ';' separates the files of one recording in trials.csv. Rename it."
-        for kind in kinds for name in getattr(files, kind) if ";" in name
-    )  # fmt: skip
-    return replace(files, **kept), notes
+    kept, notes = {}, []
+    for kind in kinds:
+        names = getattr(files, kind)
+        separators = [next((c for c in NAME_SEPARATORS if c in name), "") for name in names]
+        kept[kind] = tuple(n for n, c in zip(names, separators, strict=True) if not c)
+        notes += [f"{' '.join(name.splitlines())} is left out: {NAME_SEPARATORS[c]} in trials.csv."
+                  " Rename it."
+                  for name, c in zip(names, separators, strict=True) if c]  # fmt: skip
+    return replace(files, **kept), tuple(notes)
 
 
 def prefilled_trial_rows(

@@ -18,7 +18,12 @@ from bluekoi.campaign import Campaign
 from bluekoi.model import PUBLISHED_FLAP_HZ
 from bluekoi.report.findings import campaign_warnings, verdict
 from bluekoi.report.media import embedded_overlay_clips
-from bluekoi.report.numbers import format_number, format_percent, value_with_interval
+from bluekoi.report.numbers import (
+    format_number,
+    format_percent,
+    parameter_with_interval,
+    value_with_interval,
+)
 from bluekoi.report.page import write_report
 
 VOID_ELEMENTS = {"meta", "link", "img", "input", "br", "rect", "polyline"}
@@ -318,6 +323,15 @@ def test_videos_are_embedded_while_they_are_small(tmp_path, campaign_with_causes
 )
 def test_values_have_the_digits_that_their_uncertainty_justifies(value, std, text):
     assert value_with_interval(value, std) == text
+
+
+def test_a_share_that_is_estimated_as_nothing_has_an_upper_limit():
+    """95 % of half a normal distribution lie below 1.96 standard deviations."""
+    nothing = {"value": 0.0, "std": 0.0327}
+    assert parameter_with_interval("tail_fin_lift.vortex_share", nothing) == "0, at most 0.064"
+    assert parameter_with_interval("C_Ma", nothing, "m") == "0.000 ± 0.064 m"
+    some = {"value": 0.1, "std": 0.02}
+    assert parameter_with_interval("tail_fin_lift.vortex_share", some) == "0.100 ± 0.039"
 
 
 def test_numbers_for_people():

@@ -11,7 +11,7 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from bluekoi.errors import InputError
+from bluekoi.errors import InputError, InputIssue
 from bluekoi.study import Camera, Robot, Trial, load_study, missing_files
 from paper_robot import PAPER_ROBOT
 
@@ -424,3 +424,15 @@ def test_exchanged_names_of_two_parts_are_read(tmp_path):
     content = changed_setup() | {"bodyparts": {"head_tip": "hinge", "hinge": "head_tip"}}
     write_study(tmp_path, yaml.safe_dump(content))
     assert load_study(tmp_path).setup.bodyparts["hinge"] == "head_tip"
+
+
+def test_a_remedy_of_many_findings_is_read_once():
+    """Fifteen trials with the wrong sign have one cure."""
+    cure = "Change the sign. Is it 1.5?"
+    three = [InputIssue("trials.csv", f"trial T{i}", "-30", f"{i}.5 degrees", cure) for i in (1, 2)]
+    other = InputIssue("trials.csv", "trial T3", "x", "a number", "Write 3.")
+    assert str(InputError([*three, other])).splitlines() == [
+        f"trials.csv: trial T1: found -30; expected 1.5 degrees. {cure}",
+        "trials.csv: trial T2: found -30; expected 2.5 degrees.",
+        "trials.csv: trial T3: found x; expected a number. Write 3.",
+    ]

@@ -79,7 +79,7 @@ def test_the_wrong_side_is_named(study_with_turn):
     (text,) = finding_messages(study, trial.model_copy(update={"head_angle_deg": -30.0}), positions)
     assert "a head angle of 30 degrees" in text
     assert "expected head_angle_deg -30" in text
-    assert "The sign is the other one: write head_angle_deg 30" in text
+    assert "The sign is the other one: change it in trials.csv" in text
     assert "are x and y exchanged" in text
     (text,) = finding_messages(study, trial.model_copy(update={"head_angle_deg": -60.0}), positions)
     assert "Is it another trial's row?" in text
@@ -104,7 +104,7 @@ def test_a_filmed_trial_that_is_right_with_the_other_sign_is_told_so(study_with_
 
     text = str(finding(-30.0))
     assert "trial T10, column head_angle_deg: found -30" in text
-    assert "Write 30" in text
+    assert "Change the sign" in text
     assert asked == [30]
     assert finding(-60.0) is None
     assert finding(-30.0, head_length_m=0.175) is None

@@ -191,6 +191,7 @@ def _run_process(words: list[str]) -> int:
 
 def _failed_trial_lines(results: Path, study: str) -> list[str]:
     """A line for each bad trial of a run that ended before its last stage (`-- --until STAGE`)."""
+    from ..errors import without_repeated_remedies  # noqa: PLC0415
     from ..files import read_json  # noqa: PLC0415
     from ..stages.trial_failure import failure_reason  # noqa: PLC0415
 
@@ -199,7 +200,9 @@ def _failed_trial_lines(results: Path, study: str) -> list[str]:
     complaints = {name: failure_reason(read_json(path)) for name, path in found.items()}
     bad = {name: text for name, text in sorted(complaints.items()) if text}
     known = _study_trial_ids(study) if bad else set()
-    return [f"{name}: {text}" for name, text in bad.items() if not known or name in known]
+    return without_repeated_remedies(
+        f"{name}: {text}" for name, text in bad.items() if not known or name in known
+    )
 
 
 def _trial_remark_lines(results: Path, study: str) -> list[str]:

@@ -19,8 +19,8 @@ from .numbers import (
     format_probability,
     format_unit,
     parameter_units,
+    parameter_with_interval,
     readable_name,
-    value_with_interval,
     with_readable_names,
 )
 from .template import VERDICT_HEADINGS, verdict_heading
@@ -208,8 +208,8 @@ def next_trial_sentence(campaign: Campaign) -> str:
 def _cause_text(entry: dict[str, Any]) -> CauseText:
     parameters = [
         f"{name} = "
-        + value_with_interval(
-            cell.get("value"), cell.get("std"), format_unit(str(cell.get("unit", "")))
+        + parameter_with_interval(
+            f"{entry['name']}.{name}", cell, format_unit(str(cell.get("unit", ""))).strip("–")
         )
         + (f": {cell['meaning']}" if cell.get("meaning") else "")
         for name, cell in (entry.get("parameters") or {}).items()

@@ -44,6 +44,16 @@ def value_with_interval(value: Any, std: Any, unit: str = "") -> str:
     return (f"({text}){mark}" if mark else text) + tail
 
 
+def parameter_with_interval(name: str, cell: Mapping[str, Any], unit: str = "") -> str:
+    """Value ± half of the 95 % interval of a parameter, `tail_fin_lift.arm`; of a share that cannot
+    be negative and is estimated as 0, its upper 95 % limit.
+    """
+    value, std = cell.get("value"), cell.get("std")
+    if value == 0.0 and std and name in _parameters_from_0():
+        return f"0, at most {format_number(Z_95 * float(std), 2)}{f' {unit}' if unit else ''}"
+    return value_with_interval(value, std, unit)
+
+
 def coefficient_with_interval(cell: Mapping[str, Any]) -> str:
     """A cell of coefficients.json: value ± half of its 95 % interval.
 
@@ -92,6 +102,12 @@ def with_readable_names(sentence: str, names: Iterable[str]) -> str:
 def parameter_units() -> dict[str, str]:
     """Printed unit of every coefficient (`C_T`) and of every effect's parameter (`stall.k`)."""
     return {p.name: format_unit(p.unit) for p in two_plate_system().parameters}
+
+
+@lru_cache(maxsize=1)
+def _parameters_from_0() -> frozenset[str]:
+    """Parameters whose smallest value is 0."""
+    return frozenset(p.name for p in two_plate_system().parameters if p.lower == 0.0)
 
 
 def _superscript(power: int) -> str:

@@ -16,8 +16,8 @@ from .numbers import (
     format_percent,
     format_unit,
     parameter_units,
+    parameter_with_interval,
     readable_name,
-    value_with_interval,
 )
 
 COEFFICIENT_COLUMNS = tuple(
@@ -131,8 +131,8 @@ def coefficient_changes(campaign: Campaign) -> list[Row]:
         Row(
             _parameter_label(name),
             (
-                _cell_text(before.get(name)),
-                _cell_text(after.get(name)),
+                _cell_text(name, before.get(name)),
+                _cell_text(name, after.get(name)),
                 _relative_change(before.get(name), cell),
             ),
         )
@@ -140,8 +140,8 @@ def coefficient_changes(campaign: Campaign) -> list[Row]:
     ]
 
 
-def _cell_text(cell: Mapping[str, Any] | None) -> str:
-    return "–" if cell is None else value_with_interval(cell.get("value"), cell.get("std"))
+def _cell_text(name: str, cell: Mapping[str, Any] | None) -> str:
+    return "–" if cell is None else parameter_with_interval(name, cell)
 
 
 def _parameter_label(name: str) -> str:

@@ -38,7 +38,7 @@ def head_angle_sign_finding(
         f"trial {trial.trial_id}, column head_angle_deg",
         f"{angle:g}, with which the robot in the video is not found as it is",
         f"{-angle:g}, with which it is found in {100 * found:.0f} % of the frames and swims ahead",
-        f"Write {-angle:g} if the head was turned to that side (positive: to the robot's right). "
+        "Change the sign if the head was turned to that side (positive: to the robot's right). "
         "If it was not, the video is mirrored.",
     )
 

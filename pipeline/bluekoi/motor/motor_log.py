@@ -95,7 +95,10 @@ def motor_log_coverage(
     late = (
         f"The first frame used is at {begin:.4g} s: do frame numbers begin at 0, is start_s right?"
     )
-    early = "Time 0 is the first frame of the recording: subtract its time from the column."
+    early = (
+        "Time 0 is the first frame of the recording: subtract its time from the column. If the "
+        "recording is longer than that, fps is wrong."
+    )
     raise input_error(
         path, "time_s", f"times from {first:.10g} to {last:.10g} s",
         f"times of the recording, {begin:.4g} to {end:.4g} s",

@@ -38,7 +38,7 @@ TAIL_END_NOT_SEEN = (
     ", and no frame shows the end of the tail near the position given by body_length_m and "
     "tail_length_m: measure both again, or use dots, markers or a network"
 )
-WHOLE_LENGTH_NOT_KEPT = (
+WHOLE_LENGTH_NOT_MEASURED = (
     ", and no whole length was measured (keypoint files of the silhouette detector hold it in the "
     ".cov.csv beside them)"
 )
@@ -109,7 +109,7 @@ def _check_by_whole_lengths(
     seen = [pairs or [] for pairs in recorded]
     if not any(seen):
         kept = None not in recorded
-        why = TAIL_END_NOT_SEEN if kept else WHOLE_LENGTH_NOT_KEPT
+        why = TAIL_END_NOT_SEEN if kept else WHOLE_LENGTH_NOT_MEASURED
         found = _unchecked_geometry_json(f"{LENGTHS_NOT_MEASURED}{why}")
         return {**found, "tail_end_seen": False} if kept else found
     camera = _trial_camera(study, trials[0], layout)

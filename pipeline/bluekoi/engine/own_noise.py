@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from ..data import Float
 from ..fitting import Noise, estimate_noise_model, filter_all
 from ..fitting.filtering import disturbance_slots
@@ -79,14 +81,16 @@ def refit_without_discrepancy(problem: CauseSearchProblem, model: FittedCauseSet
     return fit_own_noise(problem, plain, most=2)
 
 
-def is_likelier_under_noise(
+def log_likelihood_gain_under_noise(
     problem: CauseSearchProblem, model: FittedCauseSet, noise: Noise
-) -> bool:
-    """Whether the trials are likelier at a set's numbers under another noise than under its own."""
+) -> float:
+    """How much likelier the trials are at a set's numbers under another noise than under its own;
+    -inf where the model diverges under the other one.
+    """
     points = _trial_vectors_with_trial_effects(problem, model)
     own, other = (total_log_likelihood(filter_all(problem.kernel, problem.series, points, n))
                   for n in (model.noise, noise))  # fmt: skip
-    return other > own
+    return other - own if np.isfinite(other) else -np.inf
 
 
 def _update_noise_and_fit(

@@ -29,7 +29,11 @@ from .fitted_sets import (
     FitRequest,
     FittedCauseSets,
 )
-from .own_noise import fit_without_causes, is_likelier_under_noise
+from .own_noise import (
+    MIN_ROUND_GAIN_LOG_LIK,
+    fit_without_causes,
+    log_likelihood_gain_under_noise,
+)
 from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
 from .proposals import (
     MIN_REFITS_PER_SET,
@@ -176,11 +180,12 @@ def _refit_with_shared_noise(visited: FittedCauseSets) -> None:
 def _refit_from_noise(
     visited: FittedCauseSets, source: FittedCauseSet, least: float, scored: ScoredCauseSet
 ) -> ScoredCauseSet | None:
-    """A set refitted from the noise of another one; None where its log posterior is below the least
-    and the trials are not likelier under that noise.
+    """A set refitted from the noise of another one; None where that is, for its likelihood, its own
+    noise, and where its log posterior is below the least and the trials are not likelier under it.
     """
     problem, model = visited.problem, scored.model
-    if scored.log_posterior <= least and not is_likelier_under_noise(problem, model, source.noise):
+    gain = log_likelihood_gain_under_noise(problem, model, source.noise)
+    if abs(gain) < MIN_ROUND_GAIN_LOG_LIK or (scored.log_posterior <= least and gain <= 0):
         return None
     left = visited.shared_discrepancy(source, model.key) or model.discrepancy
     again = refit_from_fitted_values(problem, model, source.noise, discrepancy=left)

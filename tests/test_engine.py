@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -42,7 +43,11 @@ from bluekoi.engine.evidence import (
     log_evidence,
     most_probable_discrepancy_shares,
 )
-from bluekoi.engine.expansion import expand_likelihood_in_all_forms, one_step_strength_estimates
+from bluekoi.engine.expansion import (
+    LikelihoodExpansion,
+    expand_likelihood_in_all_forms,
+    one_step_strength_estimates,
+)
 from bluekoi.engine.fitted_sets import FittedCauseSets
 from bluekoi.engine.own_noise import (
     MIN_ROUND_GAIN_LOG_LIK,
@@ -750,6 +755,20 @@ def problem_with_a_discrepancy(left: float = 0.05) -> CauseSearchProblem:
     drag, force = (replace(c, sources=source) for c in problem.candidates)
     return replace(problem, candidates=(drag, replace(force, kind="residual")),
                    state_variables=frozenset({"speed"}))  # fmt: skip
+
+
+def test_a_set_with_which_a_trial_runs_away_is_impossible(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Forces that are no number do not end a search."""
+    problem = problem_with_a_discrepancy()
+    model = fit_cause_set(problem, ("quadratic_drag",), problem.noise, {})
+
+    def without_numbers(*given: Any) -> LikelihoodExpansion:
+        found = expand_likelihood(*given)
+        forces = {name: np.full_like(f, np.nan) for name, f in found.forces.items()}
+        return replace(found, forces=forces, hessian=np.full_like(found.hessian, np.nan))
+
+    monkeypatch.setattr("bluekoi.engine.set_score.expand_likelihood", without_numbers)
+    assert score_cause_set(problem, model).log_posterior == -np.inf
 
 
 def end_fits_early(monkeypatch) -> None:

@@ -32,15 +32,21 @@ from bluekoi.mismatch import (
     trial_indices_by_fold,
 )
 from bluekoi.mismatch.camera_displacement import detect_displacements, with_displacement_constants
+from bluekoi.mismatch.compared_models import compare_models, trajectory_fit
 from bluekoi.mismatch.drift import fisher_p_value, trial_with_camera_drift
 from bluekoi.mismatch.find import verdict_of
-from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen_frames, trial_segments
+from bluekoi.mismatch.free_run_errors import (
+    path_errors,
+    path_rmse_m,
+    precisely_seen_frames,
+    trial_segments,
+)
 from bluekoi.mismatch.next_trial import best_next_trial, disagreement_text
 from bluekoi.mismatch.results_json import mismatch_detail_json, mismatch_json
 from bluekoi.mismatch.robot_problem import robot_problem, undetermined_cause_warnings
 from bluekoi.mismatch.sentences import verdict_sentence
 from bluekoi.mismatch.wrong_clock import trials_with_wrong_clock, with_constant_clock_error
-from bluekoi.model import two_plate_system
+from bluekoi.model import HYDRODYNAMIC_COEFFICIENTS, two_plate_system
 from bluekoi.pose import rigid_pose
 from bluekoi.stages.clock_factor import MIN_CLOCK_RATIO_STD_SHARE
 from bluekoi.stages.clock_measurement import (
@@ -102,6 +108,32 @@ def test_demo_predicts_trials_that_were_not_fitted(
     fitted = {s.name for s in m.series} - set(held["trials"])
     assert 0 < len(held["trials"]) <= len(m.series) / 3
     assert len(fitted) + len(held["trials"]) == len(m.series)
+
+
+def test_both_models_are_compared_in_the_better_of_two_fits(
+    demo: tuple[MeasuredStudy, MismatchResult],
+) -> None:
+    """A trajectory fit varies coefficients and strengths, and follows the fitted paths better."""
+    m, found = demo
+    kernel = compile_system(two_plate_system())
+    some = [s for s in downsampled(m.series) if s.name not in found.held_out][::3]
+    by_paths = trajectory_fit(kernel, some, found.extended)
+    assert by_paths is not None
+    assert {f.name for f in by_paths.fit.free} == {
+        *(p.name for p in HYDRODYNAMIC_COEFFICIENTS),
+        "tail_fin_lift.lift_area", "linear_yaw_damping.N_r",
+    }  # fmt: skip
+    slot, before = kernel.system.slot, found.extended.fit.by_label()
+    assert by_paths.base[slot["tail_fin_lift.arm"]] == before["tail_fin_lift.arm"]
+    few, all_of_it = some[:4], 1e3
+    assert path_rmse_m(kernel, trajectory_fit(kernel, few, found.baseline), few, all_of_it) < (
+        path_rmse_m(kernel, found.baseline, few, all_of_it)
+    )
+    models = {"baseline": found.baseline, "extended": found.extended}
+    compared, paths = compare_models(m.study, kernel, models, some, few)
+    for name, one in compared.items():
+        assert one.path_rmse_m <= paths.rmse_m[name]
+        assert (one.fitted_to == "trajectories") is (one.path_rmse_m < paths.rmse_m[name])
 
 
 def test_demo_locates_where_the_fin_and_the_damping_push(

@@ -353,6 +353,7 @@ def test_optional_results_of_the_search_are_shown(tmp_path, campaign_with_causes
         "held_out": {
             **campaign_with_causes.mismatch["held_out"],
             "baseline_fitted_to": "trajectories",
+            "extended_fitted_to": "prediction errors",
         },
         "causes": [
             {**campaign_with_causes.mismatch["causes"][0], "credible_set": ["added_mass", "stall"]}
@@ -362,4 +363,4 @@ def test_optional_results_of_the_search_are_shown(tmp_path, campaign_with_causes
     assert text.index("The clock of trial T02 disagrees") < text.index("trials analysed</span>")
     assert text.index(">0.960<") < text.index(">0.040<")
     assert "added mass, stall: the data do not distinguish" in text
-    assert "fitted to whole trajectories" in text
+    assert "the baseline to whole trajectories and the model with causes to one-step" in text

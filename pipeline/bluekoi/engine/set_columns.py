@@ -208,10 +208,10 @@ def _discrepancy_strength_scales(
     ):
         candidate = problem.by_name[cause]
         found[cause] = {
-            column: max(
+            column: float(np.fmax(  # of a set with which a trial runs away: NaN
                 _residual_strength_equal_to_cause(expansion, candidate, free, column),
                 MIN_INFORMATION,
-            )
+            ))
             for other in problem.candidates
             if other.name not in causes and other.name in expansion.strengths
             and problem.covers(candidate, other)

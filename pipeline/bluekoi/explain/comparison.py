@@ -21,6 +21,7 @@ from ..fitting import (
     rts_smooth,
     trial_parameter_vector,
 )
+from ..fitting.paths import PREDICTION_ERRORS, TRAJECTORIES
 from ..fitting.trial_effects import parameter_vectors_with_trial_effects, sample_trial_effects
 from .model import Model
 
@@ -31,7 +32,6 @@ MAX_FOLDS, MIN_SEGMENT_FRAMES, MAX_REFITTED_PARAMETERS = 6, 8, 15
 states up to which the baseline is also fitted to trajectories.
 """
 NOISE_FLOOR_DRAWS, NOISE_FLOOR_SEED = 2, 20240517
-PREDICTION_ERRORS, TRAJECTORIES = "prediction errors", "trajectories"
 
 
 @dataclass(frozen=True)

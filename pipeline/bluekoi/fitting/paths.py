@@ -32,6 +32,8 @@ from .padded import PaddedTrials, padded_trials
 from .predictions import slots_by_name
 from .series import FreeParameter, TrialSeries
 
+PREDICTION_ERRORS, TRAJECTORIES = "prediction errors", "trajectories"
+"""The two criteria by which models are fitted."""
 START_STATE_DIFFERENCE = 1e-4
 FIT_HORIZON_SHARES, COARSE_ITERATIONS = (0.25, 0.5, 1.0), 6
 """First a quarter of each trial is fitted, then half, at most so many rounds, in longer steps of

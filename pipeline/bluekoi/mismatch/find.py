@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -22,11 +22,9 @@ from ..engine import (
 from ..engine.naming import MIN_NAMED_PROBABILITY, UNLISTED_FORCE_LABEL, log_evidence_gain
 from ..fitting import (
     MAX_OVERDISPERSION,
-    FreeParameter,
     MissingForce,
     TrialSeries,
     added_force,
-    fit_trajectories,
     missing_force,
 )
 from ..integrate import CompiledSystem
@@ -47,9 +45,9 @@ from .camera_displacement import (
     detect_displacements,
     with_displacement_constants,
 )
+from .compared_models import compare_models, is_strength
 from .drift import CameraDrift, trial_with_camera_drift
 from .extended_model import fit_extended
-from .free_run_errors import path_errors
 from .missing_force_dependence import ExplainedForceShare, covariates, force_dependences
 from .robot_problem import robot_problem, undetermined_cause_warnings
 
@@ -69,7 +67,7 @@ class MismatchResult:
     posterior: over sets of causes, on the trials to fit. named: causes, the one that explains most
     first. unexplained: probability that a force acts which no candidate describes. model: the most
     probable set of the named causes. baseline and extended: tuned models on the trials to fit;
-    fitted_to: criterion by which the baseline of `errors` was fitted. forces, dependences: what the
+    fitted_to: criterion of the fits of `errors`, by model. forces, dependences: what the
     baseline lacks, on all trials. errors: of both models on the held-out trials; floor_m: path
     error that a true model would have there; stretch_s: length of the compared
     segments.
@@ -85,7 +83,7 @@ class MismatchResult:
     gains: Mapping[str, float]
     baseline: JointFit
     extended: JointFit
-    fitted_to: str
+    fitted_to: Mapping[str, str]
     forces: Sequence[MissingForce]
     dependences: Sequence[ExplainedForceShare]
     held_out: Sequence[str]
@@ -135,33 +133,25 @@ def find_mismatch(
     )
     named, best, (final, extended) = chosen.named, chosen.best, chosen.model
     progress("missing force")
-    models = {"baseline": baseline, "extended": extended}
-    by_paths = trajectory_fit(kernel, train, baseline)
-    if by_paths is not None:
-        models = {"by_paths": by_paths, **models}
-    (forces, depends), paths = threaded_map(lambda task: task(), (
+    models = {"baseline": baseline, **({"extended": extended} if best.causes else {})}
+    (forces, depends), (compared, paths) = threaded_map(lambda task: task(), (
         partial(_missing_force_and_dependences, study, kernel, averaged, baseline, extended),
-        partial(path_errors, study, kernel, models, test),
+        partial(compare_models, study, kernel, models, train, test),
     ))  # fmt: skip
-    fitted_to = "prediction errors"
-    if by_paths is not None and paths.rmse_m["by_paths"] < paths.rmse_m["baseline"]:
-        fitted_to = "trajectories"
-    shown = {"baseline": "by_paths" if fitted_to == "trajectories" else "baseline",
-             "extended": "extended"}  # fmt: skip
+    compared.setdefault("extended", compared["baseline"])
     errors = {
-        name: {"path_rmse_m": paths.rmse_m[key],
-               **steady_errors(study, kernel, models[key], test, steady)}
-        for name, key in shown.items()
+        name: {"path_rmse_m": one.path_rmse_m,
+               **steady_errors(study, kernel, one.model, test, steady)}
+        for name, one in compared.items()
     }  # fmt: skip
-    if not best.causes:
-        errors["extended"] = errors["baseline"]
     gains = {c.name: log_evidence_gain(fitted, best, c.name) for c in named}
     ordered = sorted(named, key=lambda c: -gains[c.name])
     misfits = model_warnings(kernel, train, best)
     return MismatchResult(
         verdict=verdict_of(kernel, ordered, chosen.unexplained), posterior=found, named=ordered,
         unexplained=chosen.unexplained, model=final, gains=gains, baseline=baseline,
-        extended=extended, fitted_to=fitted_to, forces=forces, dependences=depends,
+        extended=extended, forces=forces, dependences=depends,
+        fitted_to={name: one.fitted_to for name, one in compared.items()},
         held_out=[s.name for s in test], errors=errors, floor_m=paths.floor_m,
         stretch_s=paths.horizon_s, displacements=displaced,
         misfit_warnings=misfits,
@@ -179,17 +169,6 @@ def _camera_displacements_and_drift(
     """Displacements of the camera during a trial, and the trial whose positions drift, if any."""
     fitted = kernel, series, model.trial_values(kernel, series), model.noise
     return detect_displacements(*fitted), trial_with_camera_drift(*fitted)
-
-
-def trajectory_fit(
-    kernel: CompiledSystem, train: Sequence[TrialSeries], baseline: JointFit
-) -> JointFit | None:
-    """The baseline fitted to whole trajectories, the criterion of the comparison; None where that
-    fit diverges.
-    """
-    free: Sequence[FreeParameter] = baseline.fit.free
-    found = fit_trajectories(kernel, train, baseline.base, free, start=baseline.fit.by_label()).fit
-    return replace(baseline, fit=found) if np.isfinite(found.values).all() else None
 
 
 def _missing_force_and_dependences(
@@ -210,7 +189,7 @@ def _missing_force_and_dependences(
     full = extended.trial_values(kernel, series)
     values = [v.copy() for v in full]
     for f in free:
-        if is_residual(f.name) or ("." in f.name and not residual and _is_strength(kernel, f.name)):
+        if is_residual(f.name) or ("." in f.name and not residual and is_strength(kernel, f.name)):
             for v in values:
                 v[kernel.system.slot[f.name]] = 0.0
     forces = missing_force(kernel, series, values, baseline.noise)
@@ -223,12 +202,6 @@ def _missing_force_and_dependences(
     pushes = added_force(kernel, series, full, values, extended.noise)
     shown = pushes if max(np.abs(p).max() for p in pushes) > 0 else [f.force for f in forces]
     return forces, force_dependences(series, shown, covariates(series, forces, trials), units)
-
-
-def _is_strength(kernel: CompiledSystem, label: str) -> bool:
-    """Whether a number of an effect is a strength, without which the effect is absent."""
-    effect = kernel.system.effect(label.split(".", maxsplit=1)[0])
-    return label in [f"{effect.name}.{p.name}" for p in effect.parameters[: effect.strengths]]
 
 
 def verdict_of(kernel: CompiledSystem, named: Sequence[NamedCause], unexplained: float) -> str:

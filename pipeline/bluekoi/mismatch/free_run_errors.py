@@ -80,11 +80,17 @@ def path_errors(
     longest = max(float(s.times[-1] - s.times[0]) for s in series)
     last = list(models.values())[-1]
     horizon = min(longest, predictability_horizon_s(study, kernel, last, series))
-    segments = {n: trial_segments(kernel, tuned, series, horizon) for n, tuned in models.items()}
-    rmse = {name: _path_rmse_m(kernel, tuned, segments[name]) for name, tuned in models.items()}
-    floors = _bootstrap_path_errors_m(kernel, last, list(segments.values())[-1])
+    rmse = {name: path_rmse_m(kernel, tuned, series, horizon) for name, tuned in models.items()}
+    floors = _bootstrap_path_errors_m(kernel, last, trial_segments(kernel, last, series, horizon))
     floor = float(np.sqrt(np.mean(np.square(floors))))
     return PathErrors(rmse, floor if floor < study.setup.pool.width_m else np.nan, horizon)
+
+
+def path_rmse_m(
+    kernel: CompiledSystem, tuned: JointFit, series: Sequence[TrialSeries], horizon_s: float
+) -> float:
+    """Root mean square distance between seen and simulated over segments of the trials, m."""
+    return _path_rmse_m(kernel, tuned, trial_segments(kernel, tuned, series, horizon_s))
 
 
 def _bootstrap_path_errors_m(

@@ -37,8 +37,9 @@ def mismatch_json(
         "held_out": {
             "trials": list(found.held_out),
             "baseline": dict(found.errors["baseline"]),
-            "baseline_fitted_to": found.fitted_to,
+            "baseline_fitted_to": found.fitted_to["baseline"],
             "extended": dict(found.errors["extended"]),
+            "extended_fitted_to": found.fitted_to["extended"],
             "noise_floor_path_rmse_m": found.floor_m,
             "stretch_s": found.stretch_s,
         },

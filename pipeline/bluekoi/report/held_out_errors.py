@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 from ..campaign import Campaign
 from ..figures.drawing.held_out import evaluated_on_fitted_trials, evaluated_trials, noise_floor_m
@@ -16,11 +18,8 @@ ERROR_ROW_DEFINITIONS = (
     ("steady speed (%)", "speed_error_pct", 1.0),
 )
 """Label of a row, key of mismatch.json, factor to the unit of the label."""
-CRITERION_SENTENCES = {
-    "prediction errors": "The baseline was fitted to one-step prediction errors.",
-    "trajectories": "The baseline was fitted to whole trajectories, the strongest baseline for "
-    "these errors.",
-}
+CRITERION_NAMES = {"prediction errors": "one-step prediction errors",
+                   "trajectories": "whole trajectories"}  # fmt: skip
 
 
 def column_headings(campaign: Campaign) -> list[str]:
@@ -53,7 +52,7 @@ def held_out_table_text(campaign: Campaign) -> dict[str, str]:
     stretch = found.get("stretch_s")
     common = {
         "stretch": f" over segments of {float(stretch):.1f} s" if stretch else "",
-        "baseline": CRITERION_SENTENCES.get(str(found.get("baseline_fitted_to")), ""),
+        "criteria": _criteria_sentence(campaign, found),
     }
     if evaluated_on_fitted_trials(campaign):
         return common | {
@@ -62,6 +61,18 @@ def held_out_table_text(campaign: Campaign) -> dict[str, str]:
             "fitted, so smaller errors do not confirm the causes.",
         }
     return common | {"heading": "Errors on held-out trials", "sentence": f"Held out: {names}."}
+
+
+def _criteria_sentence(campaign: Campaign, held_out: Mapping[str, Any]) -> str:
+    """To what the compared models were fitted."""
+    parts = []
+    models = {"baseline": "baseline"}
+    models |= {"extended": "model with causes"} if campaign.has_additions else {}
+    for model, name in models.items():
+        if criterion := CRITERION_NAMES.get(str(held_out.get(f"{model}_fitted_to"))):
+            parts.append(f"the {name} to {criterion}")
+    better = ", for each the better of the two criteria"
+    return f"Fitted: {' and '.join(parts)}{better}." if parts else ""
 
 
 def _scaled_text(value: float, factor: float) -> str:

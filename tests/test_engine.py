@@ -757,7 +757,7 @@ def problem_with_a_discrepancy(left: float = 0.05) -> CauseSearchProblem:
                    state_variables=frozenset({"speed"}))  # fmt: skip
 
 
-def test_a_set_with_which_a_trial_runs_away_is_impossible(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_set_with_which_the_model_diverges_is_impossible(monkeypatch: pytest.MonkeyPatch) -> None:
     """Forces that are no number do not end a search."""
     problem = problem_with_a_discrepancy()
     model = fit_cause_set(problem, ("quadratic_drag",), problem.noise, {})

@@ -213,15 +213,19 @@ def test_what_is_written_is_read_back(tmp_path):
     time_s = np.cumsum(rng.uniform(0.02, 0.05, 20))
     lengths = np.where(rng.uniform(size=20) < 0.5, rng.normal(1, 0.01, 20), np.nan)
     given_points = Keypoints(time_s, BODY_PART_NAMES, xy, likelihood, cov, length_seen=lengths)
-    deeplabcut.write_keypoints_csv(tmp_path / "T01.csv", given_points, "markers")
+    deeplabcut.write_keypoints_csv(
+        tmp_path / "T01.csv", given_points, "markers", stated_length_m=0.4
+    )
     assert deeplabcut.detector_of_file(tmp_path / "T01.csv") == "markers"
     assert deeplabcut.is_written_by_bluekoi(tmp_path / "T01.csv")
-    found = deeplabcut.read_keypoints_of_trial(tmp_path / "T01.csv", make_trial())
+    found = deeplabcut.read_keypoints_of_trial(
+        tmp_path / "T01.csv", make_trial(), stated_length_m=0.5
+    )
     assert (tmp_path / "T01.cov.csv").is_file()
     np.testing.assert_allclose(found.xy_px, xy, rtol=1e-5)
     np.testing.assert_allclose(found.cov_px2, cov, rtol=1e-6)
     np.testing.assert_allclose(found.time_s, time_s, rtol=1e-8)
-    np.testing.assert_allclose(found.length_seen, lengths, rtol=1e-6)
+    np.testing.assert_allclose(found.length_seen, 0.8 * lengths, rtol=1e-6)
 
 
 @pytest.mark.parametrize("sigma", [0.2, 1.0])

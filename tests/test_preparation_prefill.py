@@ -118,6 +118,7 @@ def test_a_recording_that_trials_csv_cannot_name_is_left_out_with_a_note(tmp_pat
     )
     assert (files.videos, files.motor_logs) == (("z.mp4",), ("l;og.csv",))
     assert notes == (
-        "w .mp4 is left out: a line break separates the rows in trials.csv. Rename it.",
+        "w .mp4 is left out: a name in trials.csv has no line break, tab or double blank."
+        " Rename it.",
         "x;y.mp4 is left out: ';' separates the files of one recording in trials.csv. Rename it.",
     )

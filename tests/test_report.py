@@ -325,10 +325,10 @@ def test_values_have_the_digits_that_their_uncertainty_justifies(value, std, tex
     assert value_with_interval(value, std) == text
 
 
-def test_a_share_that_is_estimated_as_nothing_has_an_upper_limit():
-    """95 % of half a normal distribution lie below 1.96 standard deviations."""
+def test_a_share_that_is_estimated_as_0_has_an_upper_limit():
+    """Its interval begins at 0, and half of it is given as 1.96 standard deviations."""
     nothing = {"value": 0.0, "std": 0.0327}
-    assert parameter_with_interval("tail_fin_lift.vortex_share", nothing) == "0, at most 0.064"
+    assert parameter_with_interval("tail_fin_lift.vortex_share", nothing) == "0, at most 0.13"
     assert parameter_with_interval("C_Ma", nothing, "m") == "0.000 ± 0.064 m"
     some = {"value": 0.1, "std": 0.02}
     assert parameter_with_interval("tail_fin_lift.vortex_share", some) == "0.100 ± 0.039"

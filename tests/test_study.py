@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from bluekoi.errors import InputError, InputIssue
+from bluekoi.stages.trial_failure import failed_trial_lines
 from bluekoi.study import Camera, Robot, Trial, load_study, missing_files
 from paper_robot import PAPER_ROBOT
 
@@ -427,7 +428,7 @@ def test_exchanged_names_of_two_parts_are_read(tmp_path):
 
 
 def test_a_remedy_of_many_findings_is_read_once():
-    """Fifteen trials with the wrong sign have one cure."""
+    """Fifteen trials with the wrong sign have one remedy."""
     cure = "Change the sign. Is it 1.5?"
     three = [InputIssue("trials.csv", f"trial T{i}", "-30", f"{i}.5 degrees", cure) for i in (1, 2)]
     other = InputIssue("trials.csv", "trial T3", "x", "a number", "Write 3.")
@@ -435,4 +436,16 @@ def test_a_remedy_of_many_findings_is_read_once():
         f"trials.csv: trial T1: found -30; expected 1.5 degrees. {cure}",
         "trials.csv: trial T2: found -30; expected 2.5 degrees.",
         "trials.csv: trial T3: found x; expected a number. Write 3.",
+    ]
+
+
+def test_the_failed_trials_of_a_run_show_a_remedy_once():
+    remedy = "Change the sign."
+    failed = {name: {"ok": False, "message": f"{name}.mp4: found -30; expected 30. {remedy}",
+                     "remedy": remedy} for name in ("T1", "T2")}  # fmt: skip
+    good, cut = {"ok": True}, {"ok": True, "cut_short": "half of it is missing"}
+    assert failed_trial_lines({"T0": good, **failed, "T3": cut}) == [
+        "T1: T1.mp4: found -30; expected 30. Change the sign.",
+        "T2: T2.mp4: found -30; expected 30.",
+        "T3: half of it is missing",
     ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 EXIT_USAGE = 2
@@ -15,8 +15,6 @@ MIN_ROWS_TO_MERGE = 4
 """The same finding in as many rows of a table or more is shown as one line."""
 FINDING_ROW_PATTERN = re.compile(r"row (\d+) \(([^()]*)\), (.+)")
 """Place of a finding in a row: its number, the trial, the column."""
-MESSAGE_AND_REMEDY_PATTERN = re.compile(r"(.*; expected .*?\.)( [A-Z].*)", re.S)
-"""A finding's text up to what was expected, and its remedy."""
 INTERRUPTED_MESSAGE = "Interrupted. What is done is kept; start again and it goes on."
 
 
@@ -52,23 +50,20 @@ class InputError(Exception):
         self.findings: tuple[InputIssue, ...] = (
             (findings,) if isinstance(findings, InputIssue) else tuple(findings)
         )
-        lines = (str(finding) for finding in _merge_row_findings(self.findings))
-        super().__init__("\n".join(without_repeated_remedies(lines)))
+        shown = _without_repeated_remedies(_merge_row_findings(self.findings))
+        super().__init__("\n".join(map(str, shown)))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[tuple[InputIssue, ...]]]:
         """Carry the findings, not their text, to another process."""
         return type(self), (self.findings,)
 
 
-def without_repeated_remedies(messages: Iterable[str]) -> list[str]:
-    """Texts of findings, each remedy with the first one that has it alone."""
+def _without_repeated_remedies(findings: Iterable[InputIssue]) -> Iterator[InputIssue]:
+    """Findings of which the first one with a remedy keeps it."""
     seen: set[str] = set()
-    out = []
-    for message in messages:
-        parts = MESSAGE_AND_REMEDY_PATTERN.fullmatch(message)
-        out.append(parts[1] if parts and parts[2] in seen else message)
-        seen.add(parts[2] if parts else "")
-    return out
+    for finding in findings:
+        yield replace(finding, remedy="") if finding.remedy in seen else finding
+        seen.add(finding.remedy)
 
 
 def _merge_row_findings(findings: Iterable[InputIssue]) -> list[InputIssue]:

@@ -35,7 +35,7 @@ def prefer_widest_vectors() -> None:
 
 
 def keep_compiled_code_in_own_cache() -> None:
-    """Tell numba's cache, where the package's folder is not writable and BLUEKOI_CACHE is set."""
+    """Set numba's folder to BLUEKOI_CACHE/numba, if the package's folder is read-only."""
     own = os.environ.get("BLUEKOI_CACHE")
     if own and not config.CACHE_DIR and not os.access(Path(__file__).parent, os.W_OK):
         config.CACHE_DIR = str(Path(own) / "numba")

@@ -191,18 +191,15 @@ def _run_process(words: list[str]) -> int:
 
 def _failed_trial_lines(results: Path, study: str) -> list[str]:
     """A line for each bad trial of a run that ended before its last stage (`-- --until STAGE`)."""
-    from ..errors import without_repeated_remedies  # noqa: PLC0415
     from ..files import read_json  # noqa: PLC0415
-    from ..stages.trial_failure import failure_reason  # noqa: PLC0415
+    from ..stages.trial_failure import failed_trial_lines, failure_reason  # noqa: PLC0415
 
     found = {p.stem: p for folder in ("status/keypoints", "status")
              for p in sorted((results / folder).glob("*.json"))}  # fmt: skip
-    complaints = {name: failure_reason(read_json(path)) for name, path in found.items()}
-    bad = {name: text for name, text in sorted(complaints.items()) if text}
+    statuses = {name: read_json(path) for name, path in sorted(found.items())}
+    bad = {name: status for name, status in statuses.items() if failure_reason(status)}
     known = _study_trial_ids(study) if bad else set()
-    return without_repeated_remedies(
-        f"{name}: {text}" for name, text in bad.items() if not known or name in known
-    )
+    return failed_trial_lines({n: s for n, s in bad.items() if not known or n in known})
 
 
 def _trial_remark_lines(results: Path, study: str) -> list[str]:

@@ -180,8 +180,9 @@ def _refit_with_shared_noise(visited: FittedCauseSets) -> None:
 def _refit_from_noise(
     visited: FittedCauseSets, source: FittedCauseSet, least: float, scored: ScoredCauseSet
 ) -> ScoredCauseSet | None:
-    """A set refitted from the noise of another one; None where that is, for its likelihood, its own
-    noise, and where its log posterior is below the least and the trials are not likelier under it.
+    """A set refitted from the noise of another one; None if the likelihood under both noises
+    differs by less than a round of fits has to gain, or if the set's log posterior is below the
+    least and the trials are not likelier under that noise.
     """
     problem, model = visited.problem, scored.model
     gain = log_likelihood_gain_under_noise(problem, model, source.noise)

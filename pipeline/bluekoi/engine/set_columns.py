@@ -208,7 +208,7 @@ def _discrepancy_strength_scales(
     ):
         candidate = problem.by_name[cause]
         found[cause] = {
-            column: float(np.fmax(  # of a set with which a trial runs away: NaN
+            column: float(np.fmax(  # NaN where the model diverges
                 _residual_strength_equal_to_cause(expansion, candidate, free, column),
                 MIN_INFORMATION,
             ))

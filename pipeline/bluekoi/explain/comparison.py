@@ -21,16 +21,14 @@ from ..fitting import (
     rts_smooth,
     trial_parameter_vector,
 )
-from ..fitting.paths import PREDICTION_ERRORS, TRAJECTORIES
+from ..fitting.paths import MAX_TRAJECTORY_PARAMETERS, PREDICTION_ERRORS, TRAJECTORIES
 from ..fitting.trial_effects import parameter_vectors_with_trial_effects, sample_trial_effects
 from .model import Model
 
 MAX_LOG_PERTURBATION_GROWTH = 6.0
 """Small differences may grow by e^6 over a compared segment."""
-MAX_FOLDS, MIN_SEGMENT_FRAMES, MAX_REFITTED_PARAMETERS = 6, 8, 15
-"""Groups of conditions left out in turn, observations of a compared segment, and parameters with
-states up to which the baseline is also fitted to trajectories.
-"""
+MAX_FOLDS, MIN_SEGMENT_FRAMES = 6, 8
+"""Groups of conditions left out in turn, and observations of a compared segment."""
 NOISE_FLOOR_DRAWS, NOISE_FLOOR_SEED = 2, 20240517
 
 
@@ -89,7 +87,7 @@ def fit_by_both_criteria(problem: CauseSearchProblem, model: FittedCauseSet) -> 
     states = len(kernel.system.states)
     own = any(kernel.system.effect(c.partition(".")[0]).states for c in model.causes)
     # States of causes have no free start.
-    if own or len(model.fit.free) + states > MAX_REFITTED_PARAMETERS:
+    if own or len(model.fit.free) + states > MAX_TRAJECTORY_PARAMETERS:
         return out
     with np.errstate(all="ignore"):
         found = fit_trajectories(kernel, problem.series, base, model.fit.free, open_states=states,

@@ -34,6 +34,9 @@ from .series import FreeParameter, TrialSeries
 
 PREDICTION_ERRORS, TRAJECTORIES = "prediction errors", "trajectories"
 """The two criteria by which models are fitted."""
+MAX_TRAJECTORY_PARAMETERS = LANES - 1
+"""Starting states and parameters of a trial: each has a lane beside that of the simulation at the
+point itself."""
 START_STATE_DIFFERENCE = 1e-4
 FIT_HORIZON_SHARES, COARSE_ITERATIONS = (0.25, 0.5, 1.0), 6
 """First a quarter of each trial is fitted, then half, at most so many rounds, in longer steps of
@@ -65,6 +68,12 @@ class _BlockNormalEquations:
     common_rhs: Float
     start_rhs: Float
     cost: Float
+
+    @property
+    def finite(self) -> bool:
+        """Whether no simulation of a trial or of a difference diverges."""
+        parts = (self.common, self.mixed, self.start, self.common_rhs, self.start_rhs, self.cost)
+        return all(bool(np.isfinite(part).all()) for part in parts)
 
 
 NO_BLOCK_NORMAL_EQUATIONS = _BlockNormalEquations(*(np.zeros(0) for _ in range(6)))
@@ -125,7 +134,7 @@ def _minimise_from(
     at = replace(
         at, blocks=_block_normal_equations(problem, at.x, at.starts), outcome=STALLED, count=0
     )
-    while np.isfinite(at.blocks.cost).all() and at.count < iterations and at.damping < 1e8:
+    while at.blocks.finite and at.count < iterations and at.damping < 1e8:
         normal, to_start = _eliminate_starting_states(at.blocks, at.damping)
         H, g = normal.hessian.sum(axis=0), normal.gradient.sum(axis=0)
         damped = H + at.damping * np.diag(np.diag(H))
@@ -136,7 +145,7 @@ def _minimise_from(
         if _is_small(at.blocks, x - at.x, shift, tolerance):
             return replace(at, outcome=CONVERGED)
         blocks = _block_normal_equations(problem, x, starts)
-        if np.isfinite(blocks.cost).all() and blocks.cost.sum() <= at.blocks.cost.sum():
+        if blocks.finite and blocks.cost.sum() <= at.blocks.cost.sum():
             at = _Iterate(x, starts, max(at.damping * 0.1, 1e-9), blocks, count=at.count + 1)
         else:
             at = replace(at, damping=at.damping * 10.0, count=at.count + 1)

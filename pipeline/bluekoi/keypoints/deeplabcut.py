@@ -22,19 +22,21 @@ from .sleap import read_table as read_sleap
 SCORER = "bluekoi"
 """Scorer in the files of our own detectors, followed by a dot and the detector's name."""
 TRIALS_FILE = "trials.csv"
-LENGTH_SEEN_COLUMN = "length_seen"
+WHOLE_LENGTH_COLUMN = "whole_length_m"
 COVARIANCE_ENTRIES = (("xx", 0, 0), ("xy", 0, 1), ("yy", 1, 1))
 
 
 def read_keypoints_of_trial(
-    path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None
-) -> Keypoints:
+    path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None, *,
+    stated_length_m: float | None = None,
+) -> Keypoints:  # fmt: skip
     """Keypoints of a trial from a csv or h5 file, times = frame / trial.fps.
 
     A sidecar `<name>.cov.csv` beside the file, as `write_keypoints_csv` makes it, gives true times,
     covariances and the whole lengths seen; without it the covariance is the noise of the positions
     themselves. In files of others a likelihood of 0.1 is enough where most points of a part have
-    less than 0.6.
+    less than 0.6. stated_length_m: whole length of the body in this trial, with which the lengths
+    seen are compared; without, they are not read.
 
     Raises: InputError where the file is missing, is not DeepLabCut's (or SLEAP's) layout, is empty
     or damaged, or lacks the parts that a head direction and a core centre need.
@@ -47,7 +49,9 @@ def read_keypoints_of_trial(
     if len(found.time_s) == 0:
         raise _no_frame_in_time_range_error(Path(path), trial, table.frame / fps)
     sidecar = covariance_path(path)
-    return _with_stored_covariance(found, sidecar) if sidecar.is_file() else found
+    if not sidecar.is_file():
+        return found
+    return _with_stored_covariance(found, sidecar, stated_length_m)
 
 
 def _no_frame_in_time_range_error(path: Path, trial: Trial, time_s: Float) -> InputError:
@@ -82,7 +86,7 @@ def _scorer(path: Path) -> str:
     if path.suffix.lower() != ".csv":
         return ""
     with path.open("rb") as content:
-        first, _, rest = content.readline(64).decode("utf-8", "replace").partition(",")
+        first, _, rest = content.readline(64).decode("utf-8-sig", "replace").partition(",")
     return rest.partition(",")[0].strip() if first == "scorer" else ""
 
 
@@ -121,10 +125,14 @@ def covariance_path(path: str | Path) -> Path:
     return Path(path).with_suffix(".cov.csv")
 
 
-def write_keypoints_csv(path: str | Path, keypoints: Keypoints, detector: str = "") -> None:
+def write_keypoints_csv(
+    path: str | Path, keypoints: Keypoints, detector: str = "", *,
+    stated_length_m: float | None = None,
+) -> None:  # fmt: skip
     """Write keypoints in DeepLabCut's csv layout and their covariances [px^2] beside it.
 
-    detector: the one of ours that found them; the scorer tells it to later readers.
+    detector: name of ours that found them, written as part of the scorer. stated_length_m: whole
+    length of the body; with it, the lengths seen are written as well, in metres.
     """
     scorer = f"{SCORER}.{detector}" if detector else SCORER
     names, n = keypoints.names, len(keypoints.time_s)
@@ -135,21 +143,23 @@ def write_keypoints_csv(path: str | Path, keypoints: Keypoints, detector: str = 
         out.write("coords," + ",".join(["x", "y", "likelihood"] * len(names)) + "\n")
         for i, row in enumerate(cells.reshape(n, -1)):
             out.write(",".join([str(i), *(f"{v:.6g}" if isfinite(v) else "" for v in row)]) + "\n")
-    _write_covariance(covariance_path(path), keypoints)
+    _write_covariance(covariance_path(path), keypoints, stated_length_m)
 
 
-def _write_covariance(path: Path, keypoints: Keypoints) -> None:
+def _write_covariance(path: Path, keypoints: Keypoints, stated_length_m: float | None) -> None:
     columns = {"time_s": keypoints.time_s}
     for k, name in enumerate(keypoints.names):
         columns |= {
             f"{name}_{pair}": keypoints.cov_px2[:, k, i, j] for pair, i, j in COVARIANCE_ENTRIES
         }
-    if keypoints.length_seen is not None:
-        columns[LENGTH_SEEN_COLUMN] = keypoints.length_seen
+    if keypoints.length_seen is not None and stated_length_m is not None:
+        columns[WHOLE_LENGTH_COLUMN] = keypoints.length_seen * stated_length_m
     write_columns(path, columns)
 
 
-def _with_stored_covariance(found: Keypoints, path: Path) -> Keypoints:
+def _with_stored_covariance(
+    found: Keypoints, path: Path, stated_length_m: float | None
+) -> Keypoints:
     """Keypoints with times, covariances and whole lengths of the sidecar, row by row."""
     names = [f"{name}_{pair}" for name in found.names for pair, _, _ in COVARIANCE_ENTRIES]
     columns = read_columns(path, ("time_s", *names))
@@ -160,6 +170,6 @@ def _with_stored_covariance(found: Keypoints, path: Path) -> Keypoints:
     for k, name in enumerate(found.names):
         for pair, i, j in COVARIANCE_ENTRIES:
             cov[:, k, i, j] = cov[:, k, j, i] = columns[f"{name}_{pair}"]
-    return replace(
-        found, time_s=columns["time_s"], cov_px2=cov, length_seen=columns.get(LENGTH_SEEN_COLUMN)
-    )
+    seen_m = columns.get(WHOLE_LENGTH_COLUMN)
+    lengths = None if seen_m is None or stated_length_m is None else seen_m / stated_length_m
+    return replace(found, time_s=columns["time_s"], cov_px2=cov, length_seen=lengths)

@@ -7,21 +7,17 @@ comparison loses accuracy by that alone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..fitting import TrialSeries, fit_trajectories
-from ..fitting.paths import PREDICTION_ERRORS, TRAJECTORIES
-from ..integrate import LANES, CompiledSystem
+from ..fitting.paths import MAX_TRAJECTORY_PARAMETERS, PREDICTION_ERRORS, TRAJECTORIES
+from ..integrate import CompiledSystem
 from ..study import Study
 from ..tuning import JointFit
 from .free_run_errors import PathErrors, path_errors, path_rmse_m
-
-MAX_NUMBERS = LANES - 7
-"""Numbers that a trajectory fit varies at once: sixteen simulations side by side are the one at the
-point, those of the six starting states, and those of the numbers."""
 
 
 @dataclass(frozen=True)
@@ -34,23 +30,25 @@ class ComparedModel:
 
 
 def compare_models(
-    study: Study, kernel: CompiledSystem, models: Mapping[str, JointFit],
+    study: Study, kernel: CompiledSystem, baseline: JointFit, extended: JointFit | None, *,
     train: Sequence[TrialSeries], test: Sequence[TrialSeries],
 ) -> tuple[dict[str, ComparedModel], PathErrors]:  # fmt: skip
-    """Each model in its better fit, and the path errors of the fits to prediction errors.
+    """`baseline` and, where there is one, `extended` in the better fit of each, and the path errors
+    of the fits to prediction errors, which both are.
 
-    models: name -> fit to prediction errors; the last one has the noise floor. A model whose error
-    is not above that is not fitted a second time, except the first one, the baseline.
+    The extended model is fitted to trajectories only if its error is above the noise floor.
     """
+    models = {"baseline": baseline} | ({"extended": extended} if extended else {})
     paths = path_errors(study, kernel, models, test)
     out = {}
-    for k, (name, model) in enumerate(models.items()):
+    for name, model in models.items():
         out[name] = ComparedModel(model, PREDICTION_ERRORS, paths.rmse_m[name])
-        again = paths.rmse_m[name] > paths.floor_m or k == 0
-        by_paths = trajectory_fit(kernel, train, model) if again else None
+        if model is extended and paths.rmse_m[name] <= paths.floor_m:
+            continue
+        by_paths = trajectory_fit(kernel, train, model)
         if by_paths is not None:
             rmse = path_rmse_m(kernel, by_paths, test, paths.horizon_s)
-            if rmse < out[name].path_rmse_m:
+            if rmse < np.nan_to_num(paths.rmse_m[name], nan=np.inf):
                 out[name] = ComparedModel(by_paths, TRAJECTORIES, rmse)
     return out, paths
 
@@ -59,18 +57,22 @@ def trajectory_fit(
     kernel: CompiledSystem, train: Sequence[TrialSeries], model: JointFit
 ) -> JointFit | None:
     """A model whose coefficients and strengths of causes are fitted to whole trajectories; the
-    functional forms stay, and with more than `MAX_NUMBERS` the strengths as well. None where that
-    fit diverges.
+    functional forms stay. With more than `MAX_TRAJECTORY_PARAMETERS` of them, the coefficients
+    alone are fitted. None where that fit diverges. Covariances are not computed.
     """
     slot, base = kernel.system.slot, model.base.copy()
     for free, value in zip(model.fit.free, model.fit.values, strict=True):
         base[slot[free.name]] = value
     some = [f for f in model.fit.free if "." not in f.name or is_strength(kernel, f.name)]
-    if len(some) > MAX_NUMBERS:
+    if len(some) > MAX_TRAJECTORY_PARAMETERS - len(kernel.system.states):
         some = [f for f in some if "." not in f.name]
-    found = fit_trajectories(kernel, train, base, some, start=model.fit.by_label()).fit
+    try:
+        found = fit_trajectories(kernel, train, base, some, start=model.fit.by_label()).fit
+    except np.linalg.LinAlgError:
+        return None
     finite = np.isfinite(found.values).all() and np.isfinite(found.log_likelihood)
-    return replace(model, fit=found, base=base) if finite else None
+    unknown = np.full((len(some), len(some)), np.nan)
+    return JointFit(found, model.noise, unknown, base) if finite else None
 
 
 def is_strength(kernel: CompiledSystem, label: str) -> bool:

@@ -133,10 +133,10 @@ def find_mismatch(
     )
     named, best, (final, extended) = chosen.named, chosen.best, chosen.model
     progress("missing force")
-    models = {"baseline": baseline, **({"extended": extended} if best.causes else {})}
+    with_causes = extended if best.causes else None
     (forces, depends), (compared, paths) = threaded_map(lambda task: task(), (
         partial(_missing_force_and_dependences, study, kernel, averaged, baseline, extended),
-        partial(compare_models, study, kernel, models, train, test),
+        partial(compare_models, study, kernel, baseline, with_causes, train=train, test=test),
     ))  # fmt: skip
     compared.setdefault("extended", compared["baseline"])
     errors = {

@@ -80,8 +80,9 @@ def path_errors(
     longest = max(float(s.times[-1] - s.times[0]) for s in series)
     last = list(models.values())[-1]
     horizon = min(longest, predictability_horizon_s(study, kernel, last, series))
-    rmse = {name: path_rmse_m(kernel, tuned, series, horizon) for name, tuned in models.items()}
-    floors = _bootstrap_path_errors_m(kernel, last, trial_segments(kernel, last, series, horizon))
+    segments = {n: trial_segments(kernel, tuned, series, horizon) for n, tuned in models.items()}
+    rmse = {name: _path_rmse_m(kernel, tuned, segments[name]) for name, tuned in models.items()}
+    floors = _bootstrap_path_errors_m(kernel, last, list(segments.values())[-1])
     floor = float(np.sqrt(np.mean(np.square(floors))))
     return PathErrors(rmse, floor if floor < study.setup.pool.width_m else np.nan, horizon)
 
@@ -174,13 +175,16 @@ def _state_by_parabola(series: TrialSeries, frame: int) -> Float:
 
 
 def _path_rmse_m(kernel: CompiledSystem, tuned: JointFit, segments: Sequence[TrialSeries]) -> float:
-    """Root mean square distance between seen and simulated over all segments, m."""
+    """Root mean square distance between seen and simulated over all segments, m; infinite where a
+    simulation diverges.
+    """
     runs = free_runs(kernel, segments, tuned.trial_values(kernel, segments))
     precise = precisely_seen_frames(segments)
     squares = [np.sum((p.seen[:, :2] - run.observed[:, :2]) ** 2, axis=1)[frames]
                for p, run, frames in zip(segments, runs, precise, strict=True)]  # fmt: skip
-    known = np.concatenate(squares)
-    known = known[np.isfinite(known)]
+    seen = [np.all(np.isfinite(p.seen[:, :2]), axis=1, keepdims=False)[frames]
+            for p, frames in zip(segments, precise, strict=True)]  # fmt: skip
+    known = np.nan_to_num(np.concatenate(squares)[np.concatenate(seen)], nan=np.inf)
     return float(np.sqrt(known.mean())) if len(known) else float("nan")
 
 

@@ -22,6 +22,9 @@ LAG_TOLERANCE_RAD = 0.7
 0.02 and 98 % within 0.7 of the mean of their study; a lag by chance is so in 22 % of all cases."""
 MIN_ALIKE_TRIALS = 3
 """Two trials out of step are alike by chance in 22 % of all cases, three in 5 %."""
+MIN_DEVIATING_TRIALS = 2
+"""Besides `MIN_ALIKE_TRIALS` that are alike: by chance, all five lags fall so in 1 % of all cases
+(0.05 and 0.22). A single one is out of step by itself."""
 REMEDY = (
     "Do video and log begin together, is the beginning of the video cut off, and is the log this "
     "trial's? Check motor_log and start_s."
@@ -77,7 +80,7 @@ def _two_delays_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
         f"Trials {', '.join(names[some])} and trials {', '.join(names[others])} flap at the same "
         f"frequency, {hz[some].mean():.2f} Hz, but against their motor logs the tails of the "
         f"second group beat {1e3 * abs(apart) / hz[some].mean():.0f} ms "
-        f"{'earlier' if apart < 0 else 'later'}, or that and whole beats of "
+        f"{'earlier' if apart < 0 else 'later'}, or by that plus a whole number of beats of "
         f"{1e3 / hz[some].mean():.0f} ms: in one of these groups, log and video do not begin "
         "together. Check time_s in the motor logs, and start_s."
         for some, others, apart in repeats_with_two_lags(hz, lag)
@@ -116,9 +119,9 @@ def lag_deviations_from_majority(flap_hz: Float, lag_rad: Float) -> Float:
 def repeats_with_two_lags(
     flap_hz: Float, lag_rad: Float
 ) -> list[tuple[np.ndarray, np.ndarray, float]]:
-    """Trials of one frequency that fall into two groups of different lags: the places of the larger
-    group (at least `MIN_ALIKE_TRIALS`) and of the other one (at least two) among all trials (n,),
-    and how much later the second one is, in beats from -0.5 to 0.5.
+    """Trials of one frequency that fall into two groups of different lags: indices of the larger
+    group (at least `MIN_ALIKE_TRIALS`) and of the other one (at least `MIN_DEVIATING_TRIALS`) among
+    all trials (n,), and how much later the second one is, in beats from -0.5 to 0.5.
 
     One delay of all logs, or a tail that bends, changes all lags at a frequency alike.
     """
@@ -133,7 +136,7 @@ def repeats_with_two_lags(
         most = groups[int(np.argmax(groups.sum(axis=1)))]
         rest = groups & ~most & ~most[:, None]
         others = rest[int(np.argmax(rest.sum(axis=1)))]
-        if most.sum() >= MIN_ALIKE_TRIALS and others.sum() > 1:
+        if most.sum() >= MIN_ALIKE_TRIALS and others.sum() >= MIN_DEVIATING_TRIALS:
             first, second = (np.exp(1j * lag_rad[some]).sum() for some in (most, others))
             apart = float(np.angle(second / first)) / (2 * np.pi)
             found.append((np.flatnonzero(most), np.flatnonzero(others), apart))

@@ -35,12 +35,6 @@ LOG_WORDS_PATTERN = re.compile(r"(?i)^(motor|log|angle|shaft|encoder)[_\-. ]|"
 """Words that the name of a motor log may have beside that of its recording."""
 OPTIONAL_KEYS = {"camera": ("matrix", "distortion"), "robot": ("keypoint_depth_m",)}
 """Section -> keys that a new study.yaml shows as comments."""
-NAME_SEPARATORS = {
-    ";": "';' separates the files of one recording",
-    "\n": "a line break separates the rows",
-    "\r": "a line break separates the rows",
-}
-"""What separates sources and rows of trials.csv -> what it does there."""
 
 
 @dataclass(frozen=True)
@@ -88,20 +82,25 @@ def study_files(folder: Path) -> StudyFiles:
 def usable_study_files(folder: Path) -> tuple[StudyFiles, tuple[str, ...]]:
     """Files of a folder that trials.csv can name, and a sentence on each recording that it cannot.
 
-    `;` separates the files of one recording in trials.csv, and a line break its rows, so that no
-    name may contain them.
+    `;` separates the files of one recording in trials.csv, and white space is one blank there.
     """
     files = study_files(folder)
-    kinds = ("videos", "keypoints", "pictures")
     kept, notes = {}, []
-    for kind in kinds:
+    for kind in ("videos", "keypoints", "pictures", "motor_logs"):
         names = getattr(files, kind)
-        separators = [next((c for c in NAME_SEPARATORS if c in name), "") for name in names]
-        kept[kind] = tuple(n for n, c in zip(names, separators, strict=True) if not c)
-        notes += [f"{' '.join(name.splitlines())} is left out: {NAME_SEPARATORS[c]} in trials.csv."
-                  " Rename it."
-                  for name, c in zip(names, separators, strict=True) if c]  # fmt: skip
+        why = {name: _why_unusable(name, is_log=kind == "motor_logs") for name in names}
+        kept[kind] = tuple(name for name in names if not why[name])
+        notes += [f"{' '.join(name.split())} is left out: {text}. Rename it."
+                  for name, text in why.items() if text]  # fmt: skip
     return replace(files, **kept), tuple(notes)
+
+
+def _why_unusable(name: str, *, is_log: bool) -> str:
+    """Why trials.csv cannot name a file; empty for others."""
+    if ";" in name and not is_log:
+        return "';' separates the files of one recording in trials.csv"
+    blank = "a name in trials.csv has no line break, tab or double blank"
+    return "" if name == " ".join(name.split()) else blank
 
 
 def prefilled_trial_rows(

@@ -9,6 +9,7 @@ from typing import Any
 from ..campaign import Campaign
 from ..figures.drawing.held_out import evaluated_on_fitted_trials, evaluated_trials, noise_floor_m
 from ..figures.drawing.style import BASELINE_NAME, EXTENDED_NAME
+from ..fitting.paths import PREDICTION_ERRORS, TRAJECTORIES
 from .findings import Row
 from .numbers import format_number
 
@@ -18,8 +19,10 @@ ERROR_ROW_DEFINITIONS = (
     ("steady speed (%)", "speed_error_pct", 1.0),
 )
 """Label of a row, key of mismatch.json, factor to the unit of the label."""
-CRITERION_NAMES = {"prediction errors": "one-step prediction errors",
-                   "trajectories": "whole trajectories"}  # fmt: skip
+CRITERION_NAMES = {
+    PREDICTION_ERRORS: "one-step prediction errors",
+    TRAJECTORIES: "whole trajectories",
+}
 
 
 def column_headings(campaign: Campaign) -> list[str]:
@@ -71,8 +74,12 @@ def _criteria_sentence(campaign: Campaign, held_out: Mapping[str, Any]) -> str:
     for model, name in models.items():
         if criterion := CRITERION_NAMES.get(str(held_out.get(f"{model}_fitted_to"))):
             parts.append(f"the {name} to {criterion}")
-    better = ", for each the better of the two criteria"
-    return f"Fitted: {' and '.join(parts)}{better}." if parts else ""
+    return (
+        f"Fitted: {' and '.join(parts)}; of a model that was fitted to both, the fit with the "
+        "smaller path error is compared."
+        if parts
+        else ""
+    )
 
 
 def _scaled_text(value: float, factor: float) -> str:

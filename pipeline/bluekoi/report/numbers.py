@@ -45,12 +45,12 @@ def value_with_interval(value: Any, std: Any, unit: str = "") -> str:
 
 
 def parameter_with_interval(name: str, cell: Mapping[str, Any], unit: str = "") -> str:
-    """Value ± half of the 95 % interval of a parameter, `tail_fin_lift.arm`; of a share that cannot
-    be negative and is estimated as 0, its upper 95 % limit.
+    """Value ± half of the 95 % interval of a parameter, `tail_fin_lift.arm`; of one that cannot be
+    negative and is estimated as 0, the upper end of its interval, which begins at 0.
     """
     value, std = cell.get("value"), cell.get("std")
     if value == 0.0 and std and name in _parameters_from_0():
-        return f"0, at most {format_number(Z_95 * float(std), 2)}{f' {unit}' if unit else ''}"
+        return f"0, at most {format_number(2.0 * Z_95 * float(std), 2)}{f' {unit}' if unit else ''}"
     return value_with_interval(value, std, unit)
 
 

@@ -38,8 +38,8 @@ def head_angle_sign_finding(
         f"trial {trial.trial_id}, column head_angle_deg",
         f"{angle:g}, with which the robot in the video is not found as it is",
         f"{-angle:g}, with which it is found in {100 * found:.0f} % of the frames and swims ahead",
-        "Change the sign if the head was turned to that side (positive: to the robot's right). "
-        "If it was not, the video is mirrored.",
+        "Change the sign if the head really turned to the other side (positive: to the robot's "
+        "right). If it did not, the video is mirrored.",
     )
 
 

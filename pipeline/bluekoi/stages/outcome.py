@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from ..camera.length_warnings import length_warnings
-from ..errors import without_repeated_remedies
 from ..files import read_json, read_json_if_present, write_json
 from ..study import Study, load_study
 from ..study.setup_warnings import inertia_warnings
 from ..trial_warnings import trial_warnings, unchecked_clock_notes
 from .layout import ResultPaths, remove_files
 from .manifest import write_manifest
-from .trial_failure import failure_reason
+from .trial_failure import failed_trial_lines
 
 CHANGED_MESSAGE = (
     "{} changed while the run was at work: some results are of the file as it was before. "
@@ -33,9 +32,7 @@ def outcome(study: Path, results: Path) -> list[str]:
     layout, done = ResultPaths(results), ResultPaths(results).outcome
     loaded = load_study(study)
     statuses = {t.trial_id: read_json(layout.status(t.trial_id)) for t in loaded.trials}
-    bad = without_repeated_remedies(
-        f"{name}: {text}" for name, s in statuses.items() if (text := failure_reason(s))
-    )
+    bad = failed_trial_lines(statuses)
     warnings = run_warnings(loaded, results, statuses)
     remove_files([done])
     if changed := write_manifest(study, results):

@@ -40,6 +40,7 @@ def run_with_status(
     except InputError as error:
         text = str(error)
         found = _failed_status(trial_id, text if source in text else f"{source}: {text}")
+        found["remedy"] = error.findings[-1].remedy
         stage_logger.warning("%s", error)
     except MemoryError:
         found = _failed_status(trial_id, f"{source}: not enough memory; {MEMORY_ADVICE}")

@@ -16,7 +16,6 @@ from bluekoi.camera import pool_camera
 from bluekoi.camera.calibration_uncertainty import calibration_covariance_at_points
 from bluekoi.camera.error_displacement import camera_error_constants
 from bluekoi.camera.length_warnings import length_warnings
-from bluekoi.camera.whole_length import stated_whole_length_m
 from bluekoi.campaign import Campaign, load_campaign
 from bluekoi.data import read_track
 from bluekoi.figures import draw
@@ -115,7 +114,7 @@ def test_keypoint_files_of_the_silhouette_detector_are_not_measured_lengths(
         given = read_keypoints_of_trial(ResultPaths(results).keypoints(trial.trial_id), trial, {})
         lengths = np.random.default_rng(5).normal(0.97, 0.001, len(given.time_s))
         path = again / trial.source
-        length_m = stated_whole_length_m(load_study(study).setup.robot, trial.head_length_m)
+        length_m = load_study(study).setup.robot.whole_length_m(trial.head_length_m)
         write_keypoints_csv(path, replace(given, length_seen=lengths), "silhouette",
                             stated_length_m=length_m)  # fmt: skip
         if not sidecar:

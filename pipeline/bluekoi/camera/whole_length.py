@@ -42,11 +42,6 @@ MIN_SHARP_FRAMES_PER_TRIAL = 10
 """Frames in which both ends of the body must be seen sharply for a trial to measure its length."""
 
 
-def stated_whole_length_m(robot: Robot, head_length_m: float) -> float:
-    """Nose to tail tip along the straight body, as study.yaml and trials.csv state it."""
-    return head_length_m + robot.hinge_to_com_m + robot.com_to_tail_base_m + robot.tail_length_m
-
-
 def whole_lengths(
     trials: Sequence[Positions],
     seen: Sequence[Float],
@@ -66,7 +61,7 @@ def whole_lengths(
         for t, (one, pairs, head_m) in enumerate(zip(trials, seen, head_lengths_m, strict=True))
         if (
             found := _whole_lengths_of_trial(
-                one, np.asarray(pairs).reshape(-1, 2), stated_whole_length_m(robot, head_m), t
+                one, np.asarray(pairs).reshape(-1, 2), robot.whole_length_m(head_m), t
             )
         )
     ]

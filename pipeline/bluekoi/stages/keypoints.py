@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from .. import keypoints as sources
-from ..camera.whole_length import stated_whole_length_m
 from ..data import Float, Frame, Keypoints
 from ..errors import InputError, input_error
 from ..keypoints.deeplabcut import detector_of_file, write_keypoints_csv
@@ -55,7 +54,7 @@ def _write_detection(study: Study, trial: Trial, path: Path, threads: int) -> di
             study.paths(trial)[0], "", "no frames", "frames between start_s and end_s"
         )
     detector = notes["source"] if notes["source"] != "deeplabcut" else ""
-    stated_m = stated_whole_length_m(study.setup.robot, trial.head_length_m)
+    stated_m = study.setup.robot.whole_length_m(trial.head_length_m)
     write_keypoints_csv(path, found, detector, stated_length_m=stated_m)
     notes = notes | {"length_seen": sampled_lengths(found)}
     return {"remarks": list(found.remarks), "frames_read": len(found.time_s), **notes}
@@ -76,7 +75,7 @@ def _read_keypoint_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str
     path = study.paths(trial)[0]
     found = sources.source_module("deeplabcut").read_keypoints_of_trial(
         path, trial, study.setup.bodyparts,
-        stated_length_m=stated_whole_length_m(study.setup.robot, trial.head_length_m),
+        stated_length_m=study.setup.robot.whole_length_m(trial.head_length_m),
     )  # fmt: skip
     check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
     source = detector_of_file(path) or "deeplabcut"

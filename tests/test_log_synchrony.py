@@ -100,3 +100,13 @@ def test_one_delay_of_all_logs_gives_no_groups():
     lag = np.angle(np.exp(1j * (2.0 + 2 * np.pi * 0.2 * hz + rng.normal(0, 0.1, 18))))
     assert repeats_with_two_lags(hz, lag) == []
     assert repeats_with_two_lags(np.zeros(0), np.zeros(0)) == []
+
+
+def test_single_arbitrary_lags_rarely_make_a_group():
+    """98 % of the lags alike, as in `LAG_TOLERANCE_RAD`, the others arbitrary; twelve trials."""
+    rng, draws = np.random.default_rng(0), 2000
+    lags = rng.normal(0.0, 0.02, (draws, 12))
+    arbitrary = rng.random(lags.shape) < 0.02
+    lags[arbitrary] = rng.uniform(-np.pi, np.pi, arbitrary.sum())
+    found = sum(bool(repeats_with_two_lags(np.full(12, 2.0), lag)) for lag in lags)
+    assert found < 0.01 * draws

@@ -22,7 +22,7 @@ from pathlib import Path
 from llvmlite import binding
 from numba import config, njit
 
-__all__ = ["keep_compiled_code_in_own_cache", "njit", "prefer_widest_vectors"]
+__all__ = ["njit", "prefer_widest_vectors"]
 
 
 def prefer_widest_vectors() -> None:

@@ -57,8 +57,9 @@ def trajectory_fit(
     kernel: CompiledSystem, train: Sequence[TrialSeries], model: JointFit
 ) -> JointFit | None:
     """A model whose coefficients and strengths of causes are fitted to whole trajectories; the
-    functional forms stay. With more than `MAX_TRAJECTORY_PARAMETERS` of them, the coefficients
-    alone are fitted. None where that fit diverges. Covariances are not computed.
+    functional forms stay. With the starting states, a trial has at most `MAX_TRAJECTORY_PARAMETERS`
+    numbers; with more, the coefficients alone are fitted. None where that fit diverges. Covariances
+    are not computed.
     """
     slot, base = kernel.system.slot, model.base.copy()
     for free, value in zip(model.fit.free, model.fit.values, strict=True):

@@ -182,7 +182,7 @@ def _path_rmse_m(kernel: CompiledSystem, tuned: JointFit, segments: Sequence[Tri
     precise = precisely_seen_frames(segments)
     squares = [np.sum((p.seen[:, :2] - run.observed[:, :2]) ** 2, axis=1)[frames]
                for p, run, frames in zip(segments, runs, precise, strict=True)]  # fmt: skip
-    seen = [np.all(np.isfinite(p.seen[:, :2]), axis=1, keepdims=False)[frames]
+    seen = [np.all(np.isfinite(p.seen[:, :2]), axis=1)[frames]
             for p, frames in zip(segments, precise, strict=True)]  # fmt: skip
     known = np.nan_to_num(np.concatenate(squares)[np.concatenate(seen)], nan=np.inf)
     return float(np.sqrt(known.mean())) if len(known) else float("nan")

@@ -46,7 +46,7 @@ def log_lead_from_beat_phases(
     """
     if len(flap_hz) < MIN_TRIALS:
         return None
-    repeats = np.abs(np.log(flap_hz[:, None] / flap_hz)) < REPEAT_FREQUENCY_TOLERANCE_SHARE
+    repeats = are_repeats(flap_hz)
     scatter = _lag_std_of_repeats(lag_rad, repeats)
     if scatter > MAX_LAG_SCATTER_RAD:
         return None
@@ -73,6 +73,11 @@ def log_lead_from_beat_phases(
     ):
         return None
     return float(delays[best]), float(np.hypot(std, UNMODELLED_TAIL_LAG_STD_S))
+
+
+def are_repeats(flap_hz: Float) -> np.ndarray:
+    """Whether trials flap at the same frequency, (n, n)."""
+    return np.asarray(np.abs(np.log(flap_hz[:, None] / flap_hz)) < REPEAT_FREQUENCY_TOLERANCE_SHARE)
 
 
 def _lag_std_of_repeats(lag_rad: Float, repeats: np.ndarray) -> float:

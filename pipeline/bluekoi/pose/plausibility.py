@@ -176,9 +176,8 @@ def _head_angle_remedy(seen_deg: float, stated_deg: float) -> str:
     if abs(wrap_angle_deg(seen_deg + stated_deg)) > MAX_HEAD_ANGLE_ERROR_DEG / 2:
         return f"{convention} Is it another trial's row?"
     return (
-        "The sign is the other one: change it in trials.csv if the head really turned to "
-        "the other side. "
-        f"{convention} If it did not, the picture is mirrored: are x and y exchanged in the "
+        "The sign is the other one: change it in trials.csv if the head really turned to the other "
+        f"side. {convention} If it did not, the picture is mirrored: are x and y exchanged in the "
         "keypoint file, or are the pool's corners in another order?"
     )
 

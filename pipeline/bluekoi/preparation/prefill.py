@@ -82,7 +82,8 @@ def study_files(folder: Path) -> StudyFiles:
 def usable_study_files(folder: Path) -> tuple[StudyFiles, tuple[str, ...]]:
     """Files of a folder that trials.csv can name, and a sentence on each recording that it cannot.
 
-    `;` separates the files of one recording in trials.csv, and white space is one blank there.
+    `;` separates the files of one recording in trials.csv, and its cells have no line break, tab or
+    double blank.
     """
     files = study_files(folder)
     kept, notes = {}, []

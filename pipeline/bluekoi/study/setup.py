@@ -142,8 +142,7 @@ class Robot(Section):
 
     def whole_length_m(self, head_length_m: float) -> float:
         """Nose to tail tip along the straight body, with a head of this length."""
-        core_m = self.hinge_to_com_m + self.com_to_tail_base_m
-        return head_length_m + core_m + self.tail_length_m
+        return self.body_length_m + head_length_m - self.head_length_m + self.tail_length_m
 
     def aerodynamic_arm_m(self, head_length_m: float) -> float:
         """Aerodynamic arm l, m, for head length h.

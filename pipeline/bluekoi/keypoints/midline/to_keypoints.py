@@ -49,8 +49,7 @@ def keypoint_arcs(robot: Robot, trial: Trial) -> Float:
 
 def total_length(robot: Robot, trial: Trial) -> float:
     """Nose to tail tip, body lengths."""
-    length = robot.body_length_m + trial.head_length_m - robot.head_length_m + robot.tail_length_m
-    return in_body_lengths(robot, length)
+    return in_body_lengths(robot, robot.whole_length_m(trial.head_length_m))
 
 
 def keypoints_from_fits(

@@ -116,6 +116,15 @@ def test_runs_without_a_manifest_are_compared_in_their_results_alone(two_results
     assert "mass_kg" not in done.output
 
 
+@pytest.mark.parametrize("name", ["coefficients.json", "mismatch.json", "steady.csv"])
+def test_a_run_that_lacks_results_is_named_and_the_rest_compared(two_results, name):
+    (two_results[1] / name).unlink()
+    done = CliRunner().invoke(main, ["compare", *map(str, two_results)])
+    assert done.exit_code == 1
+    assert f"No {name} in {two_results[1]}" in done.output
+    assert "robot.mass_kg: 0.68 -> 0.7" in done.output
+
+
 def test_commands_on_results_name_what_has_changed_in_the_study(tmp_path):
     study, results = small_study(tmp_path / "study"), tmp_path / "results"
     write_manifest(study, results)

@@ -178,6 +178,7 @@ def test_part_of_the_recording(tmp_path):
         (lambda rows: [*rows[:5], ["2", "1_00", *rows[5][2:]]], "row 6, head_tip x: found '1_00'"),
         (lambda rows: [*rows[:-1], ["3000000000", *rows[-1][1:]]], "frame 3000000000 after"),
         (lambda rows: [*rows[:-1], ["1000.5", *rows[-1][1:]]], "frame 1000.5"),
+        (lambda rows: [*rows[:3], *(["0", *row[1:]] for row in rows[3:])], "frame 0 after 0"),
         (lambda rows: [[";".join(r)] for r in rows], "separated by semicolons"),
         (lambda rows: [*rows[:5], ["2", "1e300", *rows[5][2:]]], "expected pixels"),
         (lambda rows: [row[:1] + row[1:4] * 5 for row in rows], "twice"),

@@ -6,7 +6,7 @@ import pytest
 from bluekoi.motor.log_synchrony import (
     lag_deviations_from_majority,
     log_synchrony_warnings,
-    repeats_with_two_lags,
+    repeats_with_several_lags,
 )
 from bluekoi.study import Trial
 
@@ -83,9 +83,9 @@ def test_logs_that_are_late_in_half_of_the_trials_are_named():
     late = np.tile([0, 0, 0, 1, 1, 1, 1, 1], 3)
     late[16:] = [0, 0, 0, 1, 1, 0, 0, 0]
     lag = np.angle(np.exp(1j * (2.07 - 2 * np.pi * 0.4 * late * hz)))
-    found = repeats_with_two_lags(hz, lag)
-    assert [(some.tolist(), others.tolist()) for some, others, _ in found] == [
-        ([11, 12, 13, 14, 15], [8, 9, 10]), ([16, 17, 18, 21, 22, 23], [19, 20]),
+    found = repeats_with_several_lags(hz, lag)
+    assert [(g.largest.tolist(), g.second.tolist(), g.others.tolist()) for g in found] == [
+        ([11, 12, 13, 14, 15], [8, 9, 10], []), ([16, 17, 18, 21, 22, 23], [19, 20], []),
     ]  # fmt: skip
     beats = {f"T{i}": status(x, flap_hz=f) for i, (f, x) in enumerate(zip(hz, lag, strict=True))}
     first, second = log_synchrony_warnings({}, beats)
@@ -94,12 +94,20 @@ def test_logs_that_are_late_in_half_of_the_trials_are_named():
     assert "beat 57 ms earlier" in second
 
 
+def test_arbitrary_delays_of_all_logs_are_no_two_groups():
+    lag = np.array([0.1, -0.2, 0.3, 2.0, 2.2, -1.6, -2.7, 1.2])
+    beats = {f"T{i}": status(x, flap_hz=2.36) for i, x in enumerate(lag)}
+    (sentence,) = log_synchrony_warnings({}, beats)
+    assert sentence.startswith("Trials T0, T1, T2, T3, T4, T5, T6, T7 flap")
+    assert "most of these logs do not begin together with their videos" in sentence
+
+
 def test_one_delay_of_all_logs_gives_no_groups():
     rng = np.random.default_rng(1)
     hz = np.repeat([1.6, 2.35, 4.0], 6)
     lag = np.angle(np.exp(1j * (2.0 + 2 * np.pi * 0.2 * hz + rng.normal(0, 0.1, 18))))
-    assert repeats_with_two_lags(hz, lag) == []
-    assert repeats_with_two_lags(np.zeros(0), np.zeros(0)) == []
+    assert repeats_with_several_lags(hz, lag) == []
+    assert repeats_with_several_lags(np.zeros(0), np.zeros(0)) == []
 
 
 def test_single_arbitrary_lags_rarely_make_a_group():
@@ -108,5 +116,5 @@ def test_single_arbitrary_lags_rarely_make_a_group():
     lags = rng.normal(0.0, 0.02, (draws, 12))
     arbitrary = rng.random(lags.shape) < 0.02
     lags[arbitrary] = rng.uniform(-np.pi, np.pi, arbitrary.sum())
-    found = sum(bool(repeats_with_two_lags(np.full(12, 2.0), lag)) for lag in lags)
+    found = sum(bool(repeats_with_several_lags(np.full(12, 2.0), lag)) for lag in lags)
     assert found < 0.01 * draws

@@ -23,15 +23,19 @@ MARKED_ABOVE_STDS = 3.0
 
 
 @click.command()
+@click.pass_context
 @click.argument("first", type=StudyName("demo", path_type=Path))
 @click.argument("second", type=StudyName("demo", path_type=Path))
 @click.option("--out", type=NonEmptyPath(path_type=Path), help="Folder for table and figure.")
 @click.option("--all", "everything", is_flag=True, help="Also list what is equal.")
-def compare(first: Path, second: Path, out: Path | None, everything: bool) -> None:
+def compare(
+    ctx: click.Context, first: Path, second: Path, out: Path | None, everything: bool
+) -> None:
     """Show what differs between two runs: coefficients, causes, errors, settings and inputs.
 
     FIRST and SECOND are results folders, or studies whose results are in results/NAME. --out writes
-    comparison.csv, and comparison.png and .pdf with the figure.
+    comparison.csv, and comparison.png and .pdf with the figure. Where a run lacks results, the
+    rest is compared, the missing files are named, and the exit code is 1.
     """
     from ..comparison import list_run_differences as compared  # noqa: PLC0415
     from ..comparison import read_run  # noqa: PLC0415
@@ -49,6 +53,12 @@ def compare(first: Path, second: Path, out: Path | None, everything: bool) -> No
     if out is not None:
         _write_comparison(out, found, runs)
         click.echo(f"Written: {out / 'comparison.csv'}, {out / 'comparison.png'} and .pdf")
+    incomplete = {run.folder: run.missing for run in runs if run.missing}
+    for folder, missing_results in incomplete.items():
+        click.echo(f"No {' and no '.join(missing_results)} in {folder}: what they hold was not "
+                   "compared. Let `bluekoi run` come to its end there.", err=True)  # fmt: skip
+    if incomplete:
+        ctx.exit(1)
 
 
 def _results_folder(path: Path) -> Path:

@@ -30,6 +30,13 @@ class RunResults:
     steady: Mapping[str, SteadyState] = field(default_factory=dict)
 
     @property
+    def missing(self) -> tuple[str, ...]:
+        """Results, without the manifest, that the run has not written."""
+        found = {"coefficients.json": self.coefficients, "mismatch.json": self.mismatch,
+                 "steady.csv": self.steady}  # fmt: skip
+        return tuple(name for name, content in found.items() if not content)
+
+    @property
     def joint(self) -> Mapping[str, Any]:
         """Cells of the joint fit by coefficient."""
         return dict((self.coefficients.get("joint") or {}).get("coefficients") or {})

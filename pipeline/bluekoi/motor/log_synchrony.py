@@ -8,6 +8,7 @@ by the same time in all trials is measured from the lags of several powers (`log
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ MIN_DEVIATING_TRIALS = 2
 """Besides `MIN_ALIKE_TRIALS` that are alike; a single trial is out of step by itself. With 98 % of
 the lags alike and the others arbitrary, two groups appear by chance in 0.05 % of all cases with
 five trials and in 0.4 % with twelve (20,000 draws each; a test repeats the latter). If all lags are
-arbitrary, they appear in 10 % with five and in 84 % with eight.
+arbitrary, they appear in 10 % with five and in 84 % with eight, mostly beside further lags.
 """
 REMEDY = (
     "Do video and log begin together, is the beginning of the video cut off, and is the log this "
@@ -38,8 +39,8 @@ def log_synchrony_warnings(
     trials: Mapping[str, Trial], statuses: Mapping[str, Mapping[str, Any]]
 ) -> list[str]:
     """A sentence for each motor log that several recordings share, for each trial whose tail beat
-    is out of step with its log, and for two groups of trials of one frequency that are out of step
-    with each other.
+    is out of step with its log, and for trials of one frequency that are out of step with each
+    other.
 
     statuses: content of status/ID.json by trial id, or what `check` knows of it.
     """
@@ -49,7 +50,7 @@ def log_synchrony_warnings(
     return [
         *_shared_log_warnings(trials),
         *_out_of_step_warnings(beats),
-        *_two_delays_warnings(beats),
+        *_several_lags_warnings(beats),
     ]
 
 
@@ -77,17 +78,35 @@ def _out_of_step_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
     ]
 
 
-def _two_delays_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def _several_lags_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
     names, (hz, lag) = np.array(list(beats)), _frequencies_and_lags(beats)
     return [
-        f"Trials {', '.join(names[some])} and trials {', '.join(names[others])} flap at the same "
-        f"frequency, {hz[some].mean():.2f} Hz, but against their motor logs the tails of the "
-        f"second group beat {1e3 * abs(apart) / hz[some].mean():.0f} ms "
-        f"{'earlier' if apart < 0 else 'later'}, or by that plus a whole number of beats of "
-        f"{1e3 / hz[some].mean():.0f} ms: in one of these groups, log and video do not begin "
+        _two_delays_warning(names, hz, groups) if len(groups.others) < MIN_DEVIATING_TRIALS
+        else _scattered_delays_warning(names, hz, groups)
+        for groups in repeats_with_several_lags(hz, lag)
+    ]  # fmt: skip
+
+
+def _two_delays_warning(names: np.ndarray, flap_hz: Float, groups: LagGroups) -> str:
+    beat_ms = 1e3 / flap_hz[groups.largest].mean()
+    return (
+        f"Trials {', '.join(names[groups.largest])} and trials {', '.join(names[groups.second])} "
+        f"flap at the same frequency, {1e3 / beat_ms:.2f} Hz, but against their motor logs the "
+        f"tails of the second group beat {beat_ms * abs(groups.apart_beats):.0f} ms "
+        f"{'earlier' if groups.apart_beats < 0 else 'later'}, or by that plus a whole number of "
+        f"beats of {beat_ms:.0f} ms: in one of these groups, log and video do not begin "
         "together. Check time_s in the motor logs, and start_s."
-        for some, others, apart in repeats_with_two_lags(hz, lag)
-    ]
+    )
+
+
+def _scattered_delays_warning(names: np.ndarray, flap_hz: Float, groups: LagGroups) -> str:
+    every = np.sort(np.concatenate([groups.largest, groups.second, groups.others]))
+    return (
+        f"Trials {', '.join(names[every])} flap at the same frequency, "
+        f"{flap_hz[every].mean():.2f} Hz, but their tails beat at different times after their "
+        "motor logs: most of these logs do not begin together with their videos. Check time_s in "
+        "the motor logs, and start_s."
+    )
 
 
 def _frequencies_and_lags(beats: Mapping[str, Mapping[str, Any]]) -> tuple[Float, Float]:
@@ -123,12 +142,23 @@ def _are_alike(lag_rad: Float) -> np.ndarray:
     return np.asarray(np.abs(apart) <= LAG_TOLERANCE_RAD)
 
 
-def repeats_with_two_lags(
-    flap_hz: Float, lag_rad: Float
-) -> list[tuple[np.ndarray, np.ndarray, float]]:
-    """Trials of one frequency that fall into two groups of different lags: indices of the larger
-    group (at least `MIN_ALIKE_TRIALS`) and of the other one (at least `MIN_DEVIATING_TRIALS`) among
-    all trials (n,), and how much later the second one is, in beats from -0.5 to 0.5.
+@dataclass(frozen=True)
+class LagGroups:
+    """Trials of one frequency in groups of alike lags, as indices among all trials.
+
+    apart_beats: how much later the second group's tails beat, in beats from -0.5 to 0.5.
+    others: trials in neither of the two.
+    """
+
+    largest: np.ndarray
+    second: np.ndarray
+    others: np.ndarray
+    apart_beats: float
+
+
+def repeats_with_several_lags(flap_hz: Float, lag_rad: Float) -> list[LagGroups]:
+    """Trials of one frequency whose lags (n,) differ: at least `MIN_ALIKE_TRIALS` are alike, and
+    at least `MIN_DEVIATING_TRIALS` others.
 
     One delay of all logs, or a tail that bends, changes all lags at a frequency alike.
     """
@@ -138,12 +168,15 @@ def repeats_with_two_lags(
         near = repeats & left
         same = near[int(np.argmax(near.sum(axis=1) * left))]
         left &= ~same
-        groups = alike & same & same[:, None]
-        most = groups[int(np.argmax(groups.sum(axis=1)))]
-        rest = groups & ~most & ~most[:, None]
-        others = rest[int(np.argmax(rest.sum(axis=1)))]
-        if most.sum() >= MIN_ALIKE_TRIALS and others.sum() >= MIN_DEVIATING_TRIALS:
-            first, second = (np.exp(1j * lag_rad[some]).sum() for some in (most, others))
-            apart = float(np.angle(second / first)) / (2 * np.pi)
-            found.append((np.flatnonzero(most), np.flatnonzero(others), apart))
+        pairs = alike & same & same[:, None]
+        largest = pairs[int(np.argmax(pairs.sum(axis=1)))]
+        rest = pairs & ~largest & ~largest[:, None]
+        second = rest[int(np.argmax(rest.sum(axis=1)))]
+        if largest.sum() >= MIN_ALIKE_TRIALS and second.sum() >= MIN_DEVIATING_TRIALS:
+            mean, other = (np.exp(1j * lag_rad[some]).sum() for some in (largest, second))
+            found.append(LagGroups(
+                largest=np.flatnonzero(largest), second=np.flatnonzero(second),
+                others=np.flatnonzero(same & ~largest & ~second),
+                apart_beats=float(np.angle(other / mean)) / (2 * np.pi),
+            ))  # fmt: skip
     return found

@@ -133,10 +133,10 @@ def frame_numbers(index: Sequence[str], path: Path, lines: Sequence[int] | None 
     Raises: InputError where plain numbers do not grow (rows doubled, or in another order), are no
     whole numbers, or leave a gap that no recording has.
     """
-    found = [re.findall(r"\d+", re.split(r"[\\/]", text)[-1]) for text in index]
     try:
         numbers = np.array([float(text) for text in index])
     except ValueError:
+        found = [re.findall(r"\d+", re.split(r"[\\/]", text)[-1]) for text in index]
         numbers = np.array([float(f[-1]) if f else np.nan for f in found])
     else:
         _check_frame_numbers(path, numbers, lines)
@@ -161,7 +161,7 @@ def _check_frame_numbers(path: Path, numbers: Float, lines: Sequence[int] | None
             "Is the frame number a slip of the pen?",
         )  # fmt: skip
     back = np.flatnonzero(np.diff(numbers) <= 0)
-    if len(back) and np.ptp(numbers) > 0:
+    if len(back):
         k = int(back[0])
         raise input_error(
             path, _row_location(k + 1, lines), f"frame {numbers[k + 1]:g} after {numbers[k]:g}",

@@ -35,7 +35,7 @@ def contents() -> list[str]:
         "data",
         "files",
         "errors",
-        "vector_width",
+        "numba_settings",
         *top,
     ]
 
@@ -146,7 +146,7 @@ def test_files_are_short_enough_to_read_in_one_go():
 def test_compiled_functions_are_declared_by_the_njit_that_knows_the_vectors():
     direct = re.compile(r"^(?:import numba|from numba import .*\bnjit\b)", re.M)
     found = {path.name for path in PACKAGE_FOLDER.rglob("*.py") if direct.search(path.read_text())}
-    assert found == {"vector_width.py"}
+    assert found == {"numba_settings.py"}
 
 
 def test_all_modules_compile_for_the_same_vectors():

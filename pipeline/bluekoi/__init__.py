@@ -30,7 +30,7 @@ Modules in the order of the data flow:
     synthetic     renders footage from known truth; imports nothing that it tests
 
     data, files, errors    data types, atomic file writing, messages for errors in the input
-    vector_width           settings of numba: vectors of the processor, folder of compiled code
+    numba_settings         settings of numba: vectors of the processor, folder of compiled code
     stages, workflow, cli  steps that read and write files, calls from Snakemake, commands
 
 Public names (`__all__`) are documented in docs/api.md; each module is imported when a name of it is

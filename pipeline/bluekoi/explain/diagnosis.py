@@ -9,7 +9,7 @@ import numpy as np
 
 from ..data import Float
 from ..errors import InputError, input_error
-from ..vector_width import njit
+from ..numba_settings import njit
 from .model import Function, Model, names_of_arguments
 from .trials import Trial
 

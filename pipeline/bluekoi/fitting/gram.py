@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from ..vector_width import njit
+from ..numba_settings import njit
 
 OBSERVATIONS_PER_CHUNK = 64
 """Observations gathered before their products are summed: sums along rows become vectors."""

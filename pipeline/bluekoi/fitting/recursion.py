@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..vector_width import njit
+from ..numba_settings import njit
 
 HALF_LOG_2PI = 0.9189385332046727
 FASTMATH_FLAGS = {"reassoc", "contract", "nsz", "arcp"}

@@ -1,6 +1,6 @@
 """Compiled fixed-step simulation and filtering of any state-space model and its effects."""
 
-from ..vector_width import prefer_widest_vectors
+from ..numba_settings import prefer_widest_vectors
 from .array_arguments import elementwise
 from .compiled_system import LANES, CompiledSystem, compile_system, kernel_folder
 from .system import Effect, Parameter, Stage, System, effect_from_module

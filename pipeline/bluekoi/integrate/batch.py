@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
-from ..vector_width import njit
+from ..numba_settings import njit
 from .compiled_system import LANES, CompiledSystem
 from .system import System
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import BoolNDArray, Float
-from ..vector_width import njit
+from ..numba_settings import njit
 from .linear_gaussian import LinearGaussianModel, SmoothedStates
 
 LOG_2_PI = float(np.log(2 * np.pi))

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import BoolNDArray, Float
-from ..vector_width import njit
+from ..numba_settings import njit
 from .kalman_numba import (
     FilterPass,
     copy,

@@ -25,7 +25,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from ..vector_width import njit
+from ..numba_settings import njit
 
 MIN_RECOIL_COHERENCE_BEATS = 15.0
 """The recoil keeps its amplitude and phase over about so many tail beats at least. One of a few

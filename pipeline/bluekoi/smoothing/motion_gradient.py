@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..vector_width import njit
+from ..numba_settings import njit
 from .motion import MIN_RECOIL_COHERENCE_BEATS, mean_direction
 
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ..vector_width import njit
+from ..numba_settings import njit
 
 
 @njit(cache=True)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
-from ...vector_width import njit
+from ...numba_settings import njit
 from ..outline.background import LumaPicture, grey_level_quantiles, noise_level
 from ..outline.blob_detection import pool_mask
 from ..outline.plane import SwimmingPlaneMap

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
-from ...vector_width import njit
+from ...numba_settings import njit
 from ..outline.edges import interpolate_bilinear as inner_bilinear
 from ..outline.plane import horner
 from ..outline.pose_fit import plane_to_pixel_jacobian

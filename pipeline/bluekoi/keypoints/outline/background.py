@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Frame, SeekableFilm, sample_evenly, with_copied_luma
-from ...vector_width import njit
+from ...numba_settings import njit
 
 LumaPicture = npt.NDArray[np.uint8]
 ROWS_PER_STRIP = 32

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
-from ...vector_width import njit
+from ...numba_settings import njit
 
 LumaPicture = npt.NDArray[np.uint8]
 LumaAndBackground = tuple[LumaPicture, LumaPicture]

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from ...vector_width import njit
+from ...numba_settings import njit
 from .background import ROWS_PER_STRIP, LumaPicture, without_static_robot
 from .learning import LearnedTemplate
 from .template import OutlineTemplate

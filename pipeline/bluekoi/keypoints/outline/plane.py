@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 
 from ...data import Float
+from ...numba_settings import njit
 from ...study import Camera, Robot, StudySettings
-from ...vector_width import njit
 
 POLYNOMIAL_DEGREES = (5, 7, 9, 11)
 """Tried in turn: a lens that draws straight lines straight needs 5, a wide one 9 or 11."""

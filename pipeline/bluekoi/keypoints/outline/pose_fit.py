@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
-from ...vector_width import njit
+from ...numba_settings import njit
 from .edges import LumaAndBackground, edge_offset
 from .plane import horner
 

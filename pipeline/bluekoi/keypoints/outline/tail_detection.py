@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...data import Float
-from ...vector_width import njit
+from ...numba_settings import njit
 from .edges import MIN_CONTRAST_GREY_LEVELS, LumaAndBackground, interpolate_bilinear
 
 RAY_HALF_RANGE_RAD = 1.1

@@ -19,7 +19,7 @@ from itertools import product
 import numpy as np
 
 from ...data import Float
-from ...vector_width import njit
+from ...numba_settings import njit
 
 PATCH_LENGTH_SHARE, DRIFT_LENGTH_SHARE = 0.045, 0.11
 """Scales of light that moves edges in or out, and one way, as shares of head and core's length."""

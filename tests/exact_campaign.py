@@ -200,7 +200,8 @@ def campaign_with_damping_found(base: Campaign) -> Campaign:
             "forces": forces,
             "partial_residuals": {"linear_yaw_damping": {
                 name: {"x": one.yaw_rate_rad_s[::10].tolist(),
-                       "y": (-0.02 * one.yaw_rate_rad_s[::10]).tolist()}
+                       "y": (-0.02 * one.yaw_rate_rad_s[::10]).tolist(),
+                       "cause_force": (-0.02 * one.yaw_rate_rad_s[::10]).tolist()}
                 for name, one in base.tracks.items()
             }},
             "coefficients": {"before": reported, "after": {**reported, **damping}},

@@ -88,6 +88,8 @@ def test_partial_residuals_of_a_damping_that_the_trials_do_not_have_show_none(
     assert {len(one["x"]) for one in points.values()} == {PARTS_PER_TRIAL}
     # At the ends of a trial the smoother knows less and draws forces to zero.
     x, y = (np.concatenate([one[k][2:-2] for one in points.values()]) for k in "xy")
+    own = np.concatenate([one["cause_force"][2:-2] for one in points.values()])
+    assert own == pytest.approx(-N_R * x, rel=0.005)
     turning = np.abs(x) > 0.5
     assert turning.sum() == 2 * (PARTS_PER_TRIAL - 4)
     assert np.abs(y[turning]).max() < 0.3 * N_R * np.abs(x[turning]).min()

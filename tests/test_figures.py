@@ -476,6 +476,9 @@ def test_the_law_of_a_cause_is_drawn_with_its_band_through_its_partial_residuals
         (0.018, 0.022), (0, 0), (-0.022, -0.018),
     ]  # fmt: skip
     dots = [p for p in found if p.kind == "points"]
+    assert {p.series for p in dots} >= {
+        "model's residual + this cause, parts of trials", "this cause in the same parts",
+    }  # fmt: skip
     assert {p.trial_id for p in dots} == set(complete_campaign.tracks)
     assert [p.y for p in dots] == pytest.approx([-0.02 * p.x for p in dots], rel=1e-4, abs=1e-6)
 

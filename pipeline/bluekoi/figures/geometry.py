@@ -83,10 +83,13 @@ def _source_of_depth(found: Mapping[str, Any]) -> str:
 
 
 def _colour_limit_pct(grid: dict[str, Float]) -> float:
-    """Colour limit, %: largest error of cells with at most twice the median standard error."""
-    known = (grid["count"] > 0) & (grid["std"] <= 2 * np.nanmedian(grid["std"][grid["count"] > 0]))
+    """Colour limit, %: twice the median standard error, or the largest error of the cells with no
+    more than that, so that errors within the noise stay pale.
+    """
+    within = 2 * float(np.nanmedian(grid["std"][grid["count"] > 0]))
+    known = (grid["count"] > 0) & (grid["std"] <= within)
     both = np.abs(np.concatenate([grid["excess"][known], grid["model"][known]]))
-    return max(100 * float(np.nanmax(both)), 0.05)
+    return 100 * max(float(np.nanmax(both)), within)
 
 
 def _as_float_array(values: Any) -> Float:

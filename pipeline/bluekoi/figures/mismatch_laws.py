@@ -15,10 +15,12 @@ from .drawing.style import AFTER_COLOUR, panel_letter
 
 FIGURE_TITLE = "Estimated law of each cause"
 FIGURE_CAPTION = (
-    "Force or moment of each identified cause over the variable that it depends on, with the 95 % "
-    "band of its parameters. Dots, one for each eighth of a trial: partial residuals, that is the "
-    "force which the model with all causes still lacks plus the force of this cause. Where they "
-    "leave the line beyond their scatter, the form of the law is wrong."
+    "Force or moment of each identified cause over the variable that it depends on most, averaged "
+    "over bins of about equal count, with the 95 % band of its parameters. Dots, one for each "
+    "eighth of a trial: partial residuals, that is the force which the model with all causes still "
+    "lacks plus the force of this cause. Crosses: the force of the cause in the same parts, which "
+    "leaves the line where it also depends on another variable. Where dots leave their crosses "
+    "beyond their scatter, the form of the law is wrong."
 )
 REQUIRED_RESULTS = ("mismatch",)
 PANELS_PER_ROW = 3
@@ -75,11 +77,17 @@ def _draw_law(axes: Axes, law: Mapping[str, Any], points: Mapping[str, Mapping[s
 
 
 def _draw_partial_residuals(axes: Axes, points: Mapping[str, Mapping[str, Any]]) -> None:
-    """Partial residuals of a cause, trial by trial."""
-    label: str | None = "model's residual + this cause, parts of trials"
-    for trial_id, one in points.items():
-        x, y = (np.asarray(one.get(k) or [], dtype=float) for k in ("x", "y"))
-        if not len(x) or len(x) != len(y):
-            continue
-        axes.plot(x, y, "o", ms=3, mew=0, color="#5b6570", alpha=0.6, label=label, gid=trial_id)
-        label = None
+    """Partial residuals of a cause and its own force, trial by trial."""
+    for key, label, style in (
+        ("y", "model's residual + this cause, parts of trials",
+         {"marker": "o", "mew": 0, "color": "#5b6570", "alpha": 0.6}),
+        ("cause_force", "this cause in the same parts",
+         {"marker": "x", "mew": 0.6, "color": AFTER_COLOUR}),
+    ):  # fmt: skip
+        shown: str | None = label
+        for trial_id, one in points.items():
+            x, y = (np.asarray(one.get(k) or [], dtype=float) for k in ("x", key))
+            if not len(x) or len(x) != len(y):
+                continue
+            axes.plot(x, y, ls="", ms=3, label=shown, gid=trial_id, **style)
+            shown = None

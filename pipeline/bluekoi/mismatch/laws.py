@@ -96,11 +96,12 @@ def partial_residuals(
     laws: Mapping[str, Mapping[str, Any]],
     noise: Noise,
 ) -> dict[str, dict[str, dict[str, Float]]]:
-    """Cause -> trial -> `x` and `y` (parts,): what the law of the cause is held against.
+    """Cause -> trial -> `x`, `y` and `cause_force` (parts,): what the law of the cause is held
+    against.
 
     y is the partial residual: the force that the model with all causes still lacks, smoothed with
-    the random forces of `noise`, plus the cause's own force. x is the variable of the law. Both are
-    means over equal parts of a trial.
+    the random forces of `noise`, plus the cause's own force, which is also given alone. x is the
+    variable of the law. All are means over equal parts of a trial.
     """
     left = missing_force(kernel, series, tuned.trial_values(kernel, series), noise)
     known = covariates(series, forces, trials)
@@ -113,7 +114,8 @@ def partial_residuals(
         )
         found[name] = {
             rest.name: {"x": _means_over_trial_parts(over[law["variable"]]),
-                        "y": _means_over_trial_parts(rest.force[:, channel] + push)}
+                        "y": _means_over_trial_parts(rest.force[:, channel] + push),
+                        "cause_force": _means_over_trial_parts(push)}
             for rest, over, push in zip(left, known, own, strict=True)
         }  # fmt: skip
     return found

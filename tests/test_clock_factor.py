@@ -11,6 +11,7 @@ from exact_campaign import exact_campaign
 from bluekoi.campaign import Campaign
 from bluekoi.data import FlappingFrequency, Pose
 from bluekoi.stages.clock_factor import clock_factors, correct_clock, with_clock_cause
+from bluekoi.stages.trial_exclusion import contradicted_trials
 from bluekoi.stages.tuning import campaign_series
 
 EMPTY_VERDICT = {"verdict": "none", "sentence": "Nothing.", "causes": [], "rivals": [],
@@ -80,6 +81,34 @@ def test_trials_of_one_frame_rate_share_their_factor_and_no_others_do():
     result = with_clock_cause(EMPTY_VERDICT, factors, len(names))
     assert f"in {len(wrong)} of {len(names)} trials" in result["sentence"]
     assert result["causes"][0]["regime"] == f"trials {', '.join(wrong)}"
+
+
+def test_deviating_trials_of_several_powers_share_a_factor():
+    """A session of `harbour_dock` 9204-001: the frame rate is 1.06 times as high from H09 on."""
+    base = exact_campaign(powers=(50, 100))
+    power = {t.trial_id: t.power_pct for t in base.study.trials}
+    names = sorted(base.tracks, key=lambda name: (name[-1], name))
+    wrong = names[: len(names) // 2 - 1]
+    assert {power[name] for name in wrong} == {50, 100}
+    beats = {name: logged_flapping(1.06 if name in wrong else 1.0) for name in names}
+    factors = clock_factors(base.study, beats)
+    assert set(factors) == set(wrong)
+    _, flapping, _ = correct_clock(base, beats)
+    assert contradicted_trials(base, beats).keys() == set(wrong)
+    assert contradicted_trials(base, flapping) == {}
+    result = with_clock_cause(EMPTY_VERDICT, factors, len(names))
+    assert f"1.06 times the true frame rate in {len(wrong)} of {len(names)}" in result["sentence"]
+
+
+def test_deviating_trials_of_one_power_or_of_other_ratios_have_other_logs():
+    base = exact_campaign(powers=(50, 100))
+    names = sorted(base.tracks)
+    slow = [t.trial_id for t in base.study.trials if t.power_pct == 50 and t.trial_id in names]
+    right = {name: logged_flapping(1.0) for name in names}
+    one_power = dict.fromkeys(slow[: len(names) // 2 - 1], logged_flapping(1.06))
+    assert clock_factors(base.study, right | one_power) == {}
+    scattered = {n: logged_flapping(1.06 + 0.03 * i) for i, n in enumerate((*slow[:2], names[-1]))}
+    assert clock_factors(base.study, right | scattered) == {}
 
 
 @pytest.mark.parametrize("ratios", [(1.0, 1.0), (1.1, 1.1), (4.0, 0.25), (np.nan, np.nan)])

@@ -2,7 +2,8 @@
 
 With a frame rate stated r times too high the tail beats r times as fast in the video as the motor
 does. The ratio is a direct measurement of the clock. Where the trials of one stated frame rate
-agree on a ratio far from 1, both fits run in true time,
+agree on a ratio far from 1, or trials that deviate from most others agree on one, both fits run in
+true time,
 
     t_true = r t_recording,    speed_true = speed_recording / r,
 
@@ -22,11 +23,19 @@ from ..campaign import Campaign
 from ..data import FlappingFrequency, Pose, SteadyState, Track
 from ..measurement import clock_error
 from ..mismatch.wrong_clock import CLOCK_CAUSE
-from ..motor import common_clock_ratio, flapping_compared_with_video
-from ..motor.clock_comparison import MAX_CLOCK_ERROR_SHARE
+from ..motor import (
+    common_clock_ratio,
+    flapping_compared_with_video,
+    trials_with_deviating_clock,
+)
+from ..motor.clock_comparison import CLOCK_AGREEMENT_SIGMAS, MAX_CLOCK_ERROR_SHARE
 from ..study import Study
 
 MIN_CLOCK_RATIO_STD_SHARE = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
+
+MIN_TRIALS_WITH_ONE_WRONG_CLOCK = 3
+"""Trials, of two powers or more, whose ratios must agree for a clock to be wrong in a part of the
+trials. Logs that belong to other trials give equal ratios only at one power."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +54,12 @@ class ClockFactor:
 def clock_factors(
     study: Study, flapping: Mapping[str, FlappingFrequency]
 ) -> dict[str, ClockFactor]:
-    """Trial -> factor of its frame rate, for trials whose clock is wrong by more than 25 %.
+    """Trial -> factor of its frame rate, for trials whose clock is wrong by more than 25 %, and for
+    those that deviate from the clock of most others and agree with each other.
 
-    A factor counts where most trials with one `fps` in trials.csv whose motor frequency is logged,
-    or stated where no trial has a log, agree on it, or,
-    failing that, most of all trials. It then holds for all trials of that `fps`.
+    A factor of more than 25 % counts where most trials with one `fps` in trials.csv whose motor
+    frequency is logged, or stated where no trial has a log, agree on it, or, failing that, most of
+    all trials. It then holds for all trials of that `fps`.
     """
     groups: dict[float | None, list[str]] = {}
     for name in flapping:
@@ -57,7 +67,28 @@ def clock_factors(
     every = _common_factor(flapping, list(flapping))
     found = {fps: _common_factor(flapping, names) or every for fps, names in groups.items()}
     wrong = {fps: f for fps, f in found.items() if f and abs(f.value - 1) > MAX_CLOCK_ERROR_SHARE}
-    return {name: factor for fps, factor in wrong.items() for name in groups[fps]}
+    by_rate = {name: factor for fps, factor in wrong.items() for name in groups[fps]}
+    others = {name: f for name, f in flapping.items() if name not in by_rate}
+    return by_rate | _factor_of_deviating_trials(study, others)
+
+
+def _factor_of_deviating_trials(
+    study: Study, flapping: Mapping[str, FlappingFrequency]
+) -> dict[str, ClockFactor]:
+    """The factor that trials with a log share whose clock is not that of most others."""
+    logged = [n for n in trials_with_deviating_clock(flapping)
+              if flapping[n].source == "motor_log" and np.isfinite(flapping[n].ratio)]  # fmt: skip
+    factor = _common_factor(flapping, logged)
+    if factor is None:
+        return {}
+    tolerance = CLOCK_AGREEMENT_SIGMAS * np.hypot(
+        [flapping[n].ratio_std for n in logged], MIN_CLOCK_RATIO_STD_SHARE * factor.value
+    )
+    alike = [n for n, most in zip(logged, tolerance, strict=True)
+             if abs(flapping[n].ratio - factor.value) < most]  # fmt: skip
+    powers = {study.trial(n).power_pct for n in alike}
+    enough = len(alike) >= MIN_TRIALS_WITH_ONE_WRONG_CLOCK and len(powers) > 1
+    return dict.fromkeys(alike, factor) if enough else {}
 
 
 def _common_factor(

@@ -170,6 +170,31 @@ def test_a_length_that_all_trials_contradict_is_named_once(study, key, value, me
     assert fitting in finding.expected
 
 
+def test_an_exchanged_root_and_tip_of_the_tail_are_no_wrong_body_length(study):
+    path = study / "study.yaml"
+    exchanged = {"tail_base": "tail_tip", "tail_tip": "tail_base"}
+    content = yaml.safe_load(path.read_text()) | {"bodyparts": exchanged}
+    path.write_text(yaml.safe_dump(content))
+    finding = only_finding(study)
+    assert finding.where == "robot.body_length_m"
+    assert "are the two exchanged under `bodyparts:`?" in finding.remedy
+
+
+@pytest.mark.parametrize(("body_length_m", "sentences"), [(0.331, 0), (0.397, 1)])
+def test_a_body_length_to_the_tip_of_the_tail_shows_without_its_root(
+    study, body_length_m, sentences
+):
+    change_robot(study, body_length_m=body_length_m)
+    for path in (study / "keypoints").glob("*.csv"):
+        rows = [line.split(",") for line in path.read_text().splitlines()]
+        kept = [i for i, name in enumerate(rows[1]) if name != "tail_base"]
+        path.write_text("\n".join(",".join(row[i] for i in kept) for row in rows) + "\n")
+    shown = CliRunner().invoke(main, ["check", str(study)])
+    assert shown.exit_code == 0
+    assert shown.output.count("core_center to tail_tip measures 23") == sentences
+    assert shown.output.count("303 mm are stated") == sentences
+
+
 def test_a_head_length_that_one_trial_has_wrong_is_that_trial_s(study):
     edit_trials_csv(study, T10={"head_length_m": "0.175"})
     finding = only_finding(study)

@@ -277,6 +277,8 @@ def test_report_repeats_the_warnings_of_a_run_in_which_trials_failed(tmp_path):
     done = bluekoi("report", study, "--results", results)
     assert done.exit_code == 0
     assert "measure body_length_m" in done.output
+    write_json(results / "status/T10.json", {"ok": False, "message": "no robot", "remarks": []})
+    assert "T10: no robot" in bluekoi("report", study, "--results", results).output.splitlines()
 
 
 def test_a_run_that_ends_early_says_what_is_wrong_with_its_trials(tmp_path, monkeypatch):

@@ -57,7 +57,14 @@ def test_a_copy_of_a_recording_is_refused():
 
 def test_two_recordings_at_rest_are_no_copies():
     rest = {"position": np.zeros(60)}
-    assert validated_trials(MODEL, [replace(cart_trial(n), observed=rest) for n in "ab"])
+    two = [replace(cart_trial(n), observed=rest) for n in "ab"]
+    assert validated_trials(MODEL, [*two, cart_trial("c")])
+
+
+def test_trials_in_which_nothing_moves_are_refused():
+    rest = {"position": np.full(60, 2.0)}
+    with pytest.raises(InputError, match="observations that are constant in all trials; expected"):
+        validated_trials(MODEL, [replace(cart_trial(n), observed=rest) for n in "ab"])
 
 
 @pytest.mark.parametrize("code", [99999.0, -9999.0, -1e6])

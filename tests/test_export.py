@@ -125,3 +125,8 @@ def test_the_command_writes_chosen_trials(tmp_path):
     wrong = CliRunner().invoke(main, [*words, "--trial", "T99"])
     assert wrong.exit_code == 1
     assert "'T99'" in wrong.output
+    failed = CliRunner().invoke(main, [*words, "--trial", "T11"])
+    assert "says why this trial has none" in failed.output
+    every = CliRunner().invoke(main, words[:4])
+    assert "2 trials written" in every.output
+    assert "Without a track, not written: T11." in every.output

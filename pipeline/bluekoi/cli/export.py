@@ -64,6 +64,8 @@ def export(study: Path, results: Path | None, out: Path | None, trials: tuple[st
             write_netcdf(campaign, name, target / f"{name}.nc")
             wait.share = done / len(chosen)
     click.echo(f"{len(chosen)} trials written to {target}")
+    if not trials and (missing := _trials_without_track(campaign)):
+        click.echo(f"Without a track, not written: {', '.join(missing)}.", err=True)
     warn_of_outdated_results(loaded, folder)
 
 
@@ -73,12 +75,18 @@ def _selected_trials(campaign: Campaign, trials: tuple[str, ...], folder: Path) 
     known = [t.trial_id for t in campaign.study.trials if t.trial_id in campaign.tracks]
     if not known:
         raise input_error(folder / "tracks", "", "no tracks", "those of a run", "bluekoi run STUDY")
+    without = _trials_without_track(campaign)
     for name in trials:
         if name not in known:
-            raise input_error(
-                folder / "tracks", "", f"no '{name}'", "a track", did_you_mean(name, known)
-            )
+            remedy = did_you_mean(name, known)
+            if name in without:
+                remedy = f"`bluekoi run {campaign.study.root}` says why this trial has none."
+            raise input_error(folder / "tracks", "", f"no '{name}'", "a track", remedy)
     return [name for name in known if not trials or name in trials]
+
+
+def _trials_without_track(campaign: Campaign) -> list[str]:
+    return [t.trial_id for t in campaign.study.trials if t.trial_id not in campaign.tracks]
 
 
 def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:

@@ -59,8 +59,8 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
         raise input_error(path, "", "no verdict", "the result of a search", remedy)
     for line in summary_lines(found) if found else ["No search for causes yet."]:
         click.echo(escape_control_characters(line))
-    for text in _warnings_of_run(study, folder):
-        click.echo(escape_control_characters(f"Warning: {text}"))
+    for line in _lines_on_trials(study, folder):
+        click.echo(escape_control_characters(line))
     page = folder / "report.html"
     if not page.is_file():
         click.echo(f"No report yet in {folder}; `bluekoi run {study}` makes it.", err=True)
@@ -74,21 +74,26 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
         ctx.exit(1)
 
 
-def _warnings_of_run(study: Path, results: Path) -> list[str]:
-    """Warnings that a run ended with; after a run in which a trial failed, those on its files."""
+def _lines_on_trials(study: Path, results: Path) -> list[str]:
+    """A line for each failed trial of a run, and for each of the warnings that it ended with."""
     from ..errors import InputError  # noqa: PLC0415
     from ..files import read_json  # noqa: PLC0415
     from ..stages.outcome import available_trial_statuses, run_warnings  # noqa: PLC0415
+    from ..stages.trial_failure import failed_trial_lines  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415
 
     done = results / "outcome.json"  # of a run in which no trial failed
+    failed: list[str] = []
     if done.is_file():
-        return list(read_json(done).get("warnings", ()))
-    try:
-        loaded = load_study(study)
-        return run_warnings(loaded, results, available_trial_statuses(loaded, results))
-    except InputError:  # no study, or one that has changed: `warn_of_outdated_results` says so
-        return []
+        warnings = list(read_json(done).get("warnings", ()))
+    else:
+        try:
+            loaded = load_study(study)
+        except InputError:  # none, or one that has changed: `warn_of_outdated_results` says so
+            return []
+        statuses = available_trial_statuses(loaded, results)
+        failed, warnings = failed_trial_lines(statuses), run_warnings(loaded, results, statuses)
+    return [*failed, *(f"Warning: {text}" for text in warnings)]
 
 
 def summary_lines(mismatch: Mapping[str, Any]) -> Iterator[str]:

@@ -61,6 +61,15 @@ def _has_same_samples(a: Trial, b: Trial) -> bool:
     return moved and all(np.array_equal(x, y, equal_nan=True) for x, y in pairs)
 
 
+def motionless_findings(trials: Sequence[Trial]) -> list[InputIssue]:
+    """A finding where no observation changes in any trial: nothing determines the model."""
+    columns = [np.asarray(x, dtype=float) for t in trials for x in t.observed.values()]
+    if any(np.nanmax(x) > np.nanmin(x) for x in columns):
+        return []
+    return [InputIssue("trials", "", "observations that are constant in all trials", "a motion",
+                       "Do the columns hold what their names say?")]  # fmt: skip
+
+
 def spike_findings(file: str, name: str, column: Float) -> list[InputIssue]:
     """The sample of an observation that lies far beyond all others, such as a code for nothing
     seen.

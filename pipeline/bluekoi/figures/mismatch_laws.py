@@ -78,12 +78,13 @@ def _draw_law(axes: Axes, law: Mapping[str, Any], points: Mapping[str, Mapping[s
 
 def _draw_partial_residuals(axes: Axes, points: Mapping[str, Mapping[str, Any]]) -> None:
     """Partial residuals of a cause and its own force, trial by trial."""
-    for key, label, style in (
-        ("y", "model's residual + this cause, parts of trials",
-         {"marker": "o", "mew": 0, "color": "#5b6570", "alpha": 0.6}),
-        ("cause_force", "this cause in the same parts",
-         {"marker": "x", "mew": 0.6, "color": AFTER_COLOUR}),
-    ):  # fmt: skip
+    styles: dict[str, tuple[str, dict[str, Any]]] = {
+        "y": ("model's residual + this cause, parts of trials",
+              {"marker": "o", "mew": 0, "color": "#5b6570", "alpha": 0.6}),
+        "cause_force": ("this cause in the same parts",
+                        {"marker": "x", "mew": 0.6, "color": AFTER_COLOUR}),
+    }  # fmt: skip
+    for key, (label, style) in styles.items():
         shown: str | None = label
         for trial_id, one in points.items():
             x, y = (np.asarray(one.get(k) or [], dtype=float) for k in ("x", key))

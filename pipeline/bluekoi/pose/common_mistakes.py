@@ -139,6 +139,13 @@ def _body_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
     apart = [abs(trial.head_length_m - fitting["head_length_m"]) for trial in study.trials]
     names = list(fitting) if min(apart) <= MIN_PART_ERROR_M else list(fitting)[::-1]
     key, other = names
+    remedy = "body_length_m is nose to root of the tail with the head of robot.head_length_m."
+    if abs(seen_m[2] - robot.com_to_tail_base_m - robot.tail_length_m) <= MAX_OTHER_ERROR_M:
+        remedy = (
+            f"The difference is that of tail_length_m, {robot.tail_length_m:g} m: is the point "
+            "tail_base at the root of the tail and not at its tip, and are the two exchanged under "
+            f"`bodyparts:`? Else, {remedy}"
+        )
     also = f" (or robot.{other} {fitting[other]:.3f})" if fitting[other] > 0 else ""
     return InputIssue(
         str(study.root / "study.yaml"),
@@ -146,5 +153,5 @@ def _body_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
         f"{getattr(robot, key):g} m, by which core_center to tail_base is "
         f"{robot.com_to_tail_base_m:.3f} m, while it measures {seen_m[2]:.3f} m {count}",
         f"{fitting[key]:.3f} m{also}",
-        "body_length_m is nose to root of the tail with the head of robot.head_length_m.",
+        remedy,
     )

@@ -40,6 +40,9 @@ LENGTH_ENDPOINTS_AND_KEYS = {
     ),
 }
 """Length -> the keypoints between which it is measured, and the keys that state it."""
+STRAIGHT_TAIL_QUANTILE = 0.95
+"""Quantile of the distance from core_center to tail_tip that stands for a straight tail: a beating
+tail is straight twice a beat, where the distance is largest, and single frames have errors."""
 
 
 def status_of_body_measurements(
@@ -53,8 +56,20 @@ def status_of_body_measurements(
         "length_ratios": {
             name: getattr(body, name) / length for name, length in stated.items() if length > 0
         },
+        "core_to_tail_tip_m": _core_to_tail_tip_m(positions),
         "frame_hashes": _frame_hashes(keypoints),
     }
+
+
+def _core_to_tail_tip_m(positions: Positions) -> float | None:
+    """Distance from core_center to tail_tip with a straight tail, where tail_base is not tracked,
+    which would show the length of the core; else None.
+    """
+    if "tail_base" in positions.names or not {"core_center", "tail_tip"} <= {*positions.names}:
+        return None
+    apart = np.linalg.norm(positions.part("tail_tip") - positions.part("core_center"), axis=1)
+    apart = apart[np.isfinite(apart)]
+    return float(np.quantile(apart, STRAIGHT_TAIL_QUANTILE)) if len(apart) else None
 
 
 def mean_head_angle_deg(pose: Pose) -> float:
@@ -72,6 +87,7 @@ def comparison_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]])
         *_head_angle_warnings(trials, statuses),
         *_repeated_recording_warnings(seen),
         *_length_warnings(study.setup.robot, trials, seen),
+        *_tail_tip_warnings(study.setup.robot, seen),
     ]
 
 
@@ -214,3 +230,18 @@ def _length_warnings(
                 f"parts, {1000 * stated:.0f} mm are stated ({key}). Check these lengths, and where "
                 "the keypoints are placed."
             )
+
+
+def _tail_tip_warnings(robot: Robot, seen: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+    """A sentence where the tail tip of files without tail_base is not at its stated distance."""
+    lengths = [v for r in seen.values() if (v := r.get("core_to_tail_tip_m")) is not None]
+    if not lengths:
+        return
+    stated, found = robot.com_to_tail_base_m + robot.tail_length_m, float(np.median(lengths))
+    if abs(found - stated) > max(MIN_PART_ERROR_SHARE * stated, MIN_PART_ERROR_M):
+        yield (
+            f"core_center to tail_tip measures {1000 * found:.0f} mm with a straight tail, "
+            f"{1000 * stated:.0f} mm are stated (robot.body_length_m - robot.head_length_m - "
+            "robot.hinge_to_com_m + robot.tail_length_m). Is body_length_m measured to the root of "
+            "the tail, not to its tip? Check these lengths, and where the keypoints are placed."
+        )

@@ -19,7 +19,7 @@ from ..files import to_json_types
 from ..footage import open_recording
 from ..keypoints import source_module
 from ..motor import flapping_from_log, flapping_record, trial_flapping
-from ..motor.motor_log import motor_log_coverage
+from ..motor.motor_log import coverage_remarks, motor_log_coverage
 from ..motor.swimming_plausibility import tail_length_seen, trial_list_text
 from ..pose.body import RIGID_PARTS
 from ..pose.common_mistakes import merge_common_mistakes
@@ -166,8 +166,8 @@ def _check_footage(study: Study, trial: Trial) -> tuple[str, ...]:
     setup_in_recording_pixels(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
     _check_start_in_picture(study, trial, film.size_px)
     check_frame_count(study, trial, film.frames_in_part, film.fps or film.nominal_fps)
-    _check_motor_log(study, trial, trial.end_s or film.duration_s)
-    return film.remarks
+    logged = _check_motor_log(study, trial, trial.end_s or film.duration_s)
+    return (*film.remarks, *(() if logged is None else coverage_remarks(logged)))
 
 
 def _check_motor_log(study: Study, trial: Trial, end_s: float) -> float | None:

@@ -15,6 +15,7 @@ from exact_campaign import exact_campaign
 
 from bluekoi.camera import pool_camera
 from bluekoi.camera.length_warnings import MIN_LENGTH_ERROR_SHARE, length_warnings
+from bluekoi.camera.pool_edge_check import deviating_edge_warnings
 from bluekoi.campaign import Campaign
 from bluekoi.cli import main
 from bluekoi.data import FlappingFrequency, Pose, SteadyState, Track
@@ -263,6 +264,27 @@ def test_a_trial_with_other_body_lengths_is_kept_from_the_fits():
     )
     assert contradicted_trials(slightly, campaign_flapping(slightly)) == {}
     assert contradicted_trials(much, campaign_flapping(much)) == {last: "rigid lengths"}
+
+
+def test_a_zoomed_picture_is_kept_from_the_fits():
+    """No end of the tail where the others have it, and edges of the pool elsewhere."""
+    right = exact_campaign_with_statuses()
+    last = right.analysed[-1].trial_id
+
+    def with_edges(off_m: float) -> Campaign:
+        edges = {i: {"off_m": off_m if i == last else 1e-3, "moved": False} for i in right.statuses}
+        statuses = {i: s | {"pool_edges": edges[i]} for i, s in right.statuses.items()}
+        return replace(right, statuses=statuses, geometry={"trials_without_tail_end": [last]})
+
+    zoomed, dark = with_edges(12e-3), with_edges(2e-3)
+    assert contradicted_trials(zoomed, campaign_flapping(zoomed)) == {last: "rigid lengths"}
+    assert contradicted_trials(dark, campaign_flapping(dark)) == {}
+    edges, *_ = deviating_edge_warnings(zoomed.statuses, zoomed.study.setup.pool)
+    assert edges.startswith(f"Trial {last}: the pool's edges lie up to 12 mm from the corners")
+    assert "in most other recordings 1 mm" in edges
+    assert list(deviating_edge_warnings(dark.statuses, dark.study.setup.pool)) == []
+    (tail,) = length_warnings(zoomed.geometry, None)
+    assert tail.startswith(f"Trial {last}: no frame shows the end of the robot's tail")
 
 
 def test_where_half_of_the_trials_contradict_the_table_none_is_kept_from_the_fits():
@@ -664,6 +686,18 @@ def test_a_wrong_head_length_of_the_robot_is_found_by_check(tmp_path):
     assert "robot.body_length_m - robot.head_length_m - robot.hinge_to_com_m" in text
 
 
+def test_heads_that_are_all_stated_a_centimetre_too_long_are_a_warning(tmp_path):
+    study = small_study(tmp_path / "study")
+    path = study / "study.yaml"
+    content = yaml.safe_load(path.read_text())
+    content["robot"]["head_length_m"] += 0.01
+    path.write_text(yaml.safe_dump(content))
+    lengths = {t.trial_id: f"{t.head_length_m + 0.01:g}" for t in load_study(study).trials}
+    edit_trials_csv(study, **{name: {"head_length_m": head} for name, head in lengths.items()})
+    found = [one for one in warnings_of_check(study) if "on the scale" in one]
+    assert any("head_length_m in trials.csv" in text for text in found)
+
+
 def test_a_log_that_covers_little_of_a_recording_is_a_warning(tmp_path):
     study = small_study(tmp_path / "study")
     edit_trials_csv(study, T10={"fps": "1"})
@@ -679,6 +713,14 @@ def test_an_image_size_that_does_not_go_with_the_matrix_is_a_warning(study_with_
     larger = camera.model_copy(update={"image_size_px": (2 * width, 2 * height)})
     (text,) = setup_warnings(study.setup.model_copy(update={"camera": larger}))
     assert "25 % of the picture from the middle" in text
+
+
+@pytest.mark.parametrize(("index", "warned"), [(1.0, 1), (1.45, 1), (1.334, 0), (1.341, 0)])
+def test_a_refractive_index_that_is_not_that_of_water_is_a_warning(tmp_path, index, warned):
+    setup = load_study(small_study(tmp_path / "study")).setup
+    water = setup.water.model_copy(update={"refractive_index": index})
+    found = setup_warnings(setup.model_copy(update={"water": water}))
+    assert [text.startswith(f"refractive_index is {index:g}") for text in found] == [True] * warned
 
 
 def test_check_says_where_nothing_can_check_the_frame_rate(tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from .camera.pool_edge_check import deviating_edge_warnings
 from .camera.turned_picture import turned_picture_warnings
 from .motor.log_synchrony import log_synchrony_warnings
 from .motor.power_consistency import power_warnings
@@ -45,5 +46,6 @@ def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> l
         *log_synchrony_warnings(trials, statuses),
         *exchanged_frames_warnings(trials, statuses),
         *turned_picture_warnings(trials, statuses),
+        *deviating_edge_warnings(statuses, study.setup.pool),
         *comparison_warnings(study, statuses),
     ]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..data.majority import deviations_from_majority
+from ..study.setup_warnings import INDEX_OF_WATER, MAX_INDEX_DIFFERENCE
 from .rigid_distances import STATED_LENGTH_STD_SHARE
 
 WARN_ABOVE_SIGMAS = 5.0
@@ -18,8 +19,6 @@ CAMERA_ERROR_HYPOTHESES = ("camera_shift", "lens_error", "uncorrected_refraction
 """Hypotheses of the geometry check that are an error of the camera."""
 SCALE_CAUSES = ("scale_error", "uncorrected_refraction", "lens_error", "sinking")
 """Causes that account for rigid lengths of another size."""
-INDEX_OF_WATER, MAX_INDEX_DIFFERENCE = 1.333, 0.01
-"""Refractive index of water, and how far that of warm, cold or salt water may be from it."""
 MIN_CAUSE_PROBABILITY = 0.5
 """A cause below this probability accounts for nothing."""
 
@@ -52,6 +51,12 @@ def _unseen_tail_end_warnings(geometry: Mapping[str, Any]) -> Iterator[str]:
             "the robot's lengths and the scale are not checked. If the tail is visible in the "
             "frames, measure body_length_m (nose to caudal base, with the standard head) and "
             "tail_length_m (caudal base to tip) again."
+        )
+    for name in geometry.get("trials_without_tail_end", ()):
+        yield (
+            f"Trial {name}: no frame shows the end of the robot's tail near the position that "
+            "study.yaml gives, while most other recordings do. Was its picture zoomed, cropped or "
+            "taken by another camera, or is head_length_m not this trial's?"
         )
 
 

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..data import Float
-from ..study import StudySettings
+from ..data.majority import deviations_from_majority
+from ..study import Pool, StudySettings
 from ..study.recording_pixels import setup_in_recording_pixels
 from .boards import GreyPicture
-from .pool_corner_fit import CornerFit, fit_corners
+from .pool_corner_fit import MAX_CORNER_STD_SHARE_OF_POOL_DIAGONAL, CornerFit, fit_corners
 from .resection import pool_diagonal_px
 from .study_camera import lens_of_camera_section, pool_corners_m
 
@@ -69,6 +72,36 @@ def compare_pool_edges(grey: GreyPicture, setup: StudySettings) -> PoolEdgeCheck
     px_per_m = diagonal / float(np.linalg.norm(corners_m[2] - corners_m[0]))
     found = sum(line is not None for line in fit.lines)
     return PoolEdgeCheck(found, off, None if off is None else off / px_per_m, moved, turned)
+
+
+def deviating_edges_m(
+    statuses: Mapping[str, Mapping[str, Any]], pool: Pool
+) -> dict[str, tuple[float, float]]:
+    """Recordings whose pool edges are not where most others have them: distance from the corners of
+    study.yaml there, and in most others, m. Corners are uncertain by less than
+    `MAX_CORNER_STD_SHARE_OF_POOL_DIAGONAL`.
+
+    statuses: content of status/ID.json by trial id.
+    """
+    seen = {name: float(found["off_m"]) for name, status in statuses.items()
+            if (found := status.get("pool_edges")) and found["off_m"] is not None}  # fmt: skip
+    least = MAX_CORNER_STD_SHARE_OF_POOL_DIAGONAL * float(np.hypot(pool.length_m, pool.width_m))
+    off = deviations_from_majority(np.array(list(seen.values())), np.zeros(len(seen)), least)
+    return {name: (far, far - float(by))
+            for (name, far), by in zip(seen.items(), off, strict=True) if by}  # fmt: skip
+
+
+def deviating_edge_warnings(
+    statuses: Mapping[str, Mapping[str, Any]], pool: Pool
+) -> Iterator[str]:  # fmt: skip
+    """A sentence for each of `deviating_edges_m` that does not count as moved by itself."""
+    for name, (far, usual) in deviating_edges_m(statuses, pool).items():
+        if not statuses[name]["pool_edges"]["moved"]:
+            yield (
+                f"Trial {name}: the pool's edges lie up to {1000 * far:.0f} mm from the corners of "
+                f"study.yaml, in most other recordings {1000 * usual:.0f} mm. Was the camera moved "
+                "or zoomed, or the picture cropped?"
+            )
 
 
 def _largest_corner_distance_px(fit: CornerFit, given_px: Float) -> float | None:

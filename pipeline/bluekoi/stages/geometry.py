@@ -59,7 +59,8 @@ def geometry(study: Path, results: Path) -> None:
     lengths that the likely error leaves. map: relative error of the distances over the
     pool, and what the likely error predicts there. windows: means of the distances over half a
     second, which the mismatch stage compares errors of the camera with. tail_end_seen: False where
-    no frame shows the body's whole length.
+    no frame shows the body's whole length; trials_without_tail_end: those of which no frame does
+    while most others have such frames.
     """
     loaded, layout = load_study(study), ResultPaths(results)
     ids = [trial.trial_id for trial in loaded.trials]
@@ -112,6 +113,7 @@ def _check_by_whole_lengths(
         why = TAIL_END_NOT_SEEN if kept else WHOLE_LENGTH_NOT_MEASURED
         found = _unchecked_geometry_json(f"{LENGTHS_NOT_MEASURED}{why}")
         return {**found, "tail_end_seen": False} if kept else found
+    without = [t.trial_id for t, pairs in zip(trials, recorded, strict=True) if pairs == []]
     camera = _trial_camera(study, trials[0], layout)
     distances = whole_lengths(
         _mapped_keypoint_positions(camera, trials, layout, depth),
@@ -134,6 +136,7 @@ def _check_by_whole_lengths(
         "depth_estimate_m": None,
         "depth_estimate_std_m": None,
         "trials": len({int(trial) for trial in distances.trial}),
+        "trials_without_tail_end": without if 2 * len(without) < len(trials) else [],
     }
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ..camera.length_warnings import deviating_lengths
+from ..camera.pool_edge_check import deviating_edges_m
 from ..campaign import Campaign
 from ..data import FlappingFrequency
 from ..motor import trials_with_deviating_clock
@@ -25,7 +26,8 @@ def contradicted_trials(
 ) -> dict[str, str]:
     """Trial with a track -> what of it contradicts trials.csv.
 
-    A head angle or a body length unlike the other trials'; a tail beat of another rate than the
+    A head angle or a body length unlike the other trials'; a tail whose end is not where the others
+    have it, in a picture whose pool edges are not either; a tail beat of another rate than the
     motor's, unless most trials share that ratio; a recording that is exchanged with another one.
     None where they are half of the trials or more: then it is not known which ones are wrong.
     """
@@ -34,8 +36,10 @@ def contradicted_trials(
     exchanged = [i for pair in exchanged_recordings(campaign.statuses) for i in pair]
     angles = compare_head_angles(trials, campaign.statuses).contradicted
     lengths = deviating_lengths(campaign.geometry, MIN_LENGTH_DEVIATION_SHARE)
+    unlike = deviating_edges_m(campaign.statuses, campaign.study.setup.pool)
+    without_end = (campaign.geometry or {}).get("trials_without_tail_end", ())
     found = {
-        **dict.fromkeys(lengths, "rigid lengths"),
+        **dict.fromkeys([*lengths, *unlike.keys() & without_end], "rigid lengths"),
         **dict.fromkeys(angles, "head angle"),
         **dict.fromkeys([*clocks, *exchanged], "tail-beat frequency"),
     }

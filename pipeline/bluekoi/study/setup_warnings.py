@@ -21,18 +21,31 @@ VALIDATED_BODY_LENGTHS_M = (0.2, 1.2)
 """Shortest and longest robots of the simulated studies with hidden causes (docs/evidence.md)."""
 PRINCIPAL_POINT_OFFSET_SHARE = 0.1
 """The axis of a lens meets the sensor within this share of its size from the middle."""
+INDEX_OF_WATER, MAX_INDEX_DIFFERENCE = 1.333, 0.01
+"""Refractive index of water, and how far that of warm, cold or salt water may be from it."""
 
 
 def setup_warnings(setup: StudySettings) -> list[str]:
-    """A sentence where mass, yaw inertia and size are not those of one body, or the lens is not in
-    the middle of the picture. No motion shows the former: coefficients are proportional to the
-    mass, those of forces inversely to head span and density.
+    """A sentence where mass, yaw inertia and size are not those of one body, the lens is not in the
+    middle of the picture, or the refractive index is not that of water. No motion shows
+    the former: coefficients are proportional to the mass, those of forces inversely to head span
+    and density.
     """
     return [
         *_gyration_radius_warnings(setup.robot),
         *_body_volume_warnings(setup),
         *_unvalidated_size_warnings(setup.robot),
         *_principal_point_warnings(setup.camera),
+        *_refractive_index_warnings(setup.water.refractive_index),
+    ]
+
+
+def _refractive_index_warnings(index: float) -> list[str]:
+    if abs(index - INDEX_OF_WATER) <= MAX_INDEX_DIFFERENCE:
+        return []
+    return [
+        f"refractive_index is {index:g}, that of water is {INDEX_OF_WATER:g}: positions of "
+        "keypoints below the surface and all speeds are wrong if the robot swims in water."
     ]
 
 

@@ -126,6 +126,14 @@ def test_recordings_of_two_powers_that_are_exchanged_are_named_by_their_clocks()
     assert other.startswith("trial wrong fps: the tail beats 2 times as fast")
 
 
+def test_a_frame_rate_that_is_one_percent_wrong_is_no_exchange_of_repeats():
+    """Two trials of one power, whose motors differ by less than the tolerance of a pair."""
+    statuses = {"one": status_with_ratio(1.0105, 5.80), "other": status_with_ratio(1.0105, 5.86)}
+    (warning,) = clock_and_length_warnings(statuses)
+    assert "exchanged" not in warning
+    assert "the tail beats 1.01" in warning
+
+
 def test_a_trial_that_could_be_exchanged_with_two_others_is_in_no_pair():
     statuses = {
         "slow": status_with_ratio(1.25, flap_hz=2.0),

@@ -715,6 +715,16 @@ def test_an_image_size_that_does_not_go_with_the_matrix_is_a_warning(study_with_
     assert "25 % of the picture from the middle" in text
 
 
+def test_a_track_that_is_interpolated_in_most_frames_is_a_warning(tmp_path):
+    study = load_study(small_study(tmp_path / "study"))
+    shares = {"T09": 0.9, "T10": 0.08}
+    statuses = {name: {"ok": True, "body": {"head_angle_deg": 0.0, "length_ratios": {},
+                                            "pose_share": share}}
+                for name, share in shares.items()}  # fmt: skip
+    (text,) = (t for t in comparison_warnings(study, statuses) if "interpolated" in t)
+    assert text.startswith("Trial T10: 8 % of the frames show a pose")
+
+
 @pytest.mark.parametrize(("index", "warned"), [(1.0, 1), (1.45, 1), (1.334, 0), (1.341, 0)])
 def test_a_refractive_index_that_is_not_that_of_water_is_a_warning(tmp_path, index, warned):
     setup = load_study(small_study(tmp_path / "study")).setup

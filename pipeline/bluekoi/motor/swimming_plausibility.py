@@ -95,7 +95,8 @@ def _disagreeing_clock_ratios(good: Mapping[str, Mapping[str, Any]]) -> dict[str
 
 
 def exchanged_recordings(statuses: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str]]:
-    """Pairs of trials in each of whose videos the tail beats as the motor of the other one does.
+    """Pairs of trials in each of whose videos the tail beats as the motor of the other one does,
+    and more so than as its own.
 
     statuses: content of status/ID.json by trial id. A trial that fits two others is in no pair.
     """
@@ -105,7 +106,8 @@ def exchanged_recordings(statuses: Mapping[str, Mapping[str, Any]]) -> list[tupl
     pairs = [
         (one, two) for one, two in combinations(ratios, 2)
         if all(
-            abs(ratios[a] * motor_hz[a] / motor_hz[b] - 1) < CLOCK_RATIO_TOLERANCE
+            abs(ratios[a] * motor_hz[a] / motor_hz[b] - 1)
+            < min(CLOCK_RATIO_TOLERANCE, abs(ratios[a] - 1))
             for a, b in ((one, two), (two, one))
         )
     ]  # fmt: skip

@@ -41,6 +41,9 @@ LENGTH_ENDPOINTS_AND_KEYS = {
     ),
 }
 """Length -> the keypoints between which it is measured, and the keys that state it."""
+MIN_POSE_SHARE = 0.5
+"""Share of the frames of a trial with a pose, below which there is a warning: most of its track is
+interpolated."""
 STRAIGHT_TAIL_QUANTILE = 0.95
 """Quantile of the distance from core_center to tail_tip that stands for a straight tail: a beating
 tail is straight twice a beat, where the distance is largest, and single frames have errors."""
@@ -58,6 +61,7 @@ def status_of_body_measurements(
             name: getattr(body, name) / length for name, length in stated.items() if length > 0
         },
         "core_to_tail_tip_m": _core_to_tail_tip_m(positions),
+        "pose_share": float(np.isfinite(pose.values).all(axis=1).mean()),
         "frame_hashes": _frame_hashes(keypoints),
     }
 
@@ -89,6 +93,7 @@ def comparison_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]])
         *_repeated_recording_warnings(seen),
         *_length_warnings(study.setup.robot, trials, seen),
         *_tail_tip_warnings(study.setup.robot, seen),
+        *_interpolated_track_warnings(seen),
     ]
 
 
@@ -246,3 +251,14 @@ def _tail_tip_warnings(robot: Robot, seen: Mapping[str, Mapping[str, Any]]) -> I
             "robot.hinge_to_com_m + robot.tail_length_m). Is body_length_m measured to the root of "
             "the tail, not to its tip? Check these lengths, and where the keypoints are placed."
         )
+
+
+def _interpolated_track_warnings(seen: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+    """A sentence for each trial whose track is interpolated in most frames."""
+    for name, record in seen.items():
+        share = record.get("pose_share")
+        if share is not None and share < MIN_POSE_SHARE:
+            yield (
+                f"Trial {name}: {100 * share:.0f} % of the frames show a pose, the others are "
+                "interpolated. Leave the trial out, or choose a better part by start_s and end_s."
+            )

@@ -513,6 +513,22 @@ def test_strengths_of_probable_causes_are_those_that_acted() -> None:
     assert values["constant_force.F0"] == pytest.approx(0.1, rel=0.1)
 
 
+def test_a_better_noise_of_the_most_probable_set_alone_does_not_search_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Its neighbours have been fitted, and have nearly the same ranks."""
+    explored = []
+
+    def found_likelier_noise(visited: FittedCauseSets) -> None:
+        best = visited.best
+        explored.append(best.model.key)
+        visited.keep(replace(best, log_posterior=best.log_posterior + 5.0))
+
+    monkeypatch.setattr("bluekoi.engine.search._refit_with_shared_noise", found_likelier_noise)
+    visited = search_cause_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
+    assert explored == [visited.best.model.key]
+
+
 def test_a_fit_begins_at_the_strength_that_the_expansion_gives() -> None:
     """Also where the sign is other than that of the usual start."""
     for true in (0.3, -0.2):

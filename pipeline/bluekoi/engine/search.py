@@ -4,9 +4,9 @@ Around the most probable set so far, the second-order expansion scores every fur
 are refitted, with all their functional forms and their own noise; so are the sets that lack one of
 the causes, and around these again the best replacements. Other probable sets are fitted without one
 of their causes, where the expansion does not exclude that. The search ends where none of this finds
-a more probable set. (Shotgun stochastic search without the dice: Hans, Dobra and West, JASA 102
-(2007), 507.) Of a large study the search uses the trials that say most; the probable sets are then
-fitted to all trials, and what the expansion about the best adds there.
+another, more probable set. (Shotgun stochastic search without the dice: Hans, Dobra and West, JASA
+102 (2007), 507.) Of a large study the search uses the trials that say most; the probable sets are
+then fitted to all trials, and what the expansion about the best adds there.
 """
 
 from __future__ import annotations
@@ -116,28 +116,44 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
                       residual_sizes=plausible_residual_magnitudes(problem, expansion))  # fmt: skip
     visited = FittedCauseSets(problem)
     visited.sets[frozenset()] = refit_with_discrepancy(problem, score_cause_set(problem, first))
-    before = -np.inf
-    while (best := visited.best).log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
+    best, before, explored = visited.best, -np.inf, set[frozenset[str]]()
+    while best.log_posterior > before + MIN_LOG_POSTERIOR_GAIN and best.model.key not in explored:
         before = best.log_posterior
-        if len(best.causes) < visited.problem.most_causes:
-            for further in (fits_of_further_causes, fits_begun_under_small_forces):
-                visited.add_side_by_side(further(visited, best))
-                visited.converge()
-                if visited.best.log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
-                    break
-        if visited.best.log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
-            continue
-        lacking = [FitRequest(rest, best.model, refit=True) for rest in _lacking_one(best)]
-        fitted = zip(best.causes, visited.add_side_by_side(lacking), strict=True)
-        found = [(cause, less) for cause, less in fitted if less is not None]
-        visited.add_side_by_side([one for fits in threaded_map(
-            lambda pair: fits_in_place_of(visited, *pair), found) for one in fits])  # fmt: skip
-        fit_causes_in_place_of_residual_terms(visited, best)
-        visited.converge()
-        visited.add_side_by_side(_fits_without_one_cause(visited))
-        visited.converge()
-        _refit_with_shared_noise(visited)
+        _add_further_causes(visited, best)
+        if visited.best.log_posterior <= before + MIN_LOG_POSTERIOR_GAIN:
+            explored.add(best.model.key)
+            _remove_and_replace_causes(visited, best)
+            _refit_with_shared_noise(visited)
+        best = visited.best
     return visited
+
+
+def _add_further_causes(visited: FittedCauseSets, best: ScoredCauseSet) -> None:
+    """Fit the best set with a further cause; where none is more probable, also begun under small
+    random forces.
+    """
+    if len(best.causes) >= visited.problem.most_causes:
+        return
+    for further in (fits_of_further_causes, fits_begun_under_small_forces):
+        visited.add_side_by_side(further(visited, best))
+        visited.converge()
+        if visited.best.log_posterior > best.log_posterior + MIN_LOG_POSTERIOR_GAIN:
+            return
+
+
+def _remove_and_replace_causes(visited: FittedCauseSets, best: ScoredCauseSet) -> None:
+    """Fit the best set without each of its causes and with others in its place, and other probable
+    sets without one cause.
+    """
+    lacking = [FitRequest(rest, best.model, refit=True) for rest in _lacking_one(best)]
+    fitted = zip(best.causes, visited.add_side_by_side(lacking), strict=True)
+    found = [(cause, less) for cause, less in fitted if less is not None]
+    visited.add_side_by_side([one for fits in threaded_map(
+        lambda pair: fits_in_place_of(visited, *pair), found) for one in fits])  # fmt: skip
+    fit_causes_in_place_of_residual_terms(visited, best)
+    visited.converge()
+    visited.add_side_by_side(_fits_without_one_cause(visited))
+    visited.converge()
 
 
 def _fits_without_one_cause(visited: FittedCauseSets) -> list[FitRequest]:
@@ -163,7 +179,7 @@ def _refit_with_shared_noise(visited: FittedCauseSets) -> None:
     """Refit the probable sets from the noise of the most probable and of the likeliest one.
 
     The noise likelihood has several optima: two sets are compared fairly only if both had the
-    chance of the better one. A set that is far behind under its own noise may lead under another's.
+    chance of the better one. A set that is behind under its own noise may lead under another's.
     """
     likeliest = max(visited.sets.values(), key=lambda s: s.model.log_likelihood)
     for source in {s.model.key: s for s in (visited.best, likeliest)}.values():
@@ -181,12 +197,12 @@ def _refit_from_noise(
     visited: FittedCauseSets, source: FittedCauseSet, least: float, scored: ScoredCauseSet
 ) -> ScoredCauseSet | None:
     """A set refitted from the noise of another one; None if the likelihood under both noises
-    differs by less than a round of fits has to gain, or if the set's log posterior is below the
-    least and the trials are not likelier under that noise.
+    differs by less than a round of fits has to gain, or if the set's log posterior stays below the
+    least with what the likelihood gains under that noise.
     """
     problem, model = visited.problem, scored.model
     gain = log_likelihood_gain_under_noise(problem, model, source.noise)
-    if abs(gain) < MIN_ROUND_GAIN_LOG_LIK or (scored.log_posterior <= least and gain <= 0):
+    if abs(gain) < MIN_ROUND_GAIN_LOG_LIK or scored.log_posterior + max(gain, 0.0) <= least:
         return None
     left = visited.shared_discrepancy(source, model.key) or model.discrepancy
     again = refit_from_fitted_values(problem, model, source.noise, discrepancy=left)

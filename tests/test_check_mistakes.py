@@ -170,6 +170,17 @@ def test_a_length_that_all_trials_contradict_is_named_once(study, key, value, me
     assert fitting in finding.expected
 
 
+def test_a_log_shorter_than_half_of_a_video_is_a_warning(study):
+    size = load_study(study).setup.camera.image_size_px
+    grey = [np.full((size[1], size[0], 3), 90 + k % 9, np.uint8) for k in range(40)]
+    encode_h264(study / "T10.mp4", grey, fps=2, size=size)  # 20 s; the log covers 6 s
+    edit_trials_csv(study, T10={"source": "T10.mp4", "fps": ""})
+    shown = CliRunner().invoke(main, ["check", str(study)])
+    assert "trial T10: the motor log covers" in shown.output
+    edit_trials_csv(study, T10={"end_s": "999"})
+    assert "the motor log covers" in CliRunner().invoke(main, ["check", str(study)]).output
+
+
 def test_an_exchanged_root_and_tip_of_the_tail_are_no_wrong_body_length(study):
     path = study / "study.yaml"
     exchanged = {"tail_base": "tail_tip", "tail_tip": "tail_base"}
@@ -177,7 +188,7 @@ def test_an_exchanged_root_and_tip_of_the_tail_are_no_wrong_body_length(study):
     path.write_text(yaml.safe_dump(content))
     finding = only_finding(study)
     assert finding.where == "robot.body_length_m"
-    assert "are the two exchanged under `bodyparts:`?" in finding.remedy
+    assert "are tail_base and tail_tip exchanged, in the file or in `bodyparts:`?" in finding.remedy
 
 
 @pytest.mark.parametrize(("body_length_m", "sentences"), [(0.331, 0), (0.397, 1)])

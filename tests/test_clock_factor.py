@@ -96,8 +96,20 @@ def test_deviating_trials_of_several_powers_share_a_factor():
     _, flapping, _ = correct_clock(base, beats)
     assert contradicted_trials(base, beats).keys() == set(wrong)
     assert contradicted_trials(base, flapping) == {}
+    assert (
+        "turns a tail beat" not in with_clock_cause(EMPTY_VERDICT, factors, len(names))["sentence"]
+    )
     result = with_clock_cause(EMPTY_VERDICT, factors, len(names))
     assert f"1.06 times the true frame rate in {len(wrong)} of {len(names)}" in result["sentence"]
+
+
+@pytest.mark.parametrize(("most", "few"), [(1.06, 1.0), (1.03, 1.09)])
+def test_where_the_clock_of_most_trials_is_wrong_no_part_of_them_has_a_factor(most, few):
+    base = exact_campaign(powers=(50, 100))
+    names = sorted(base.tracks, key=lambda name: (name[-1], name))
+    part = names[: len(names) // 2 - 1]
+    beats = {name: logged_flapping(few if name in part else most) for name in names}
+    assert clock_factors(base.study, beats) == {}
 
 
 def test_deviating_trials_of_one_power_or_of_other_ratios_have_other_logs():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bluekoi.errors import InputError
-from bluekoi.explain import Stage, Trial, load_model, read_trials
+from bluekoi.explain import Stage, Trial, explain, load_model, read_trials
 from bluekoi.explain.diagnosis import divergence_error, reporting_compiler_errors
 from bluekoi.explain.numbers import FittedNumber, at_bound_sentences
 from bluekoi.explain.prediction import FreeSimulation, runaway_sentences
@@ -57,14 +57,14 @@ def test_a_copy_of_a_recording_is_refused():
 
 def test_two_recordings_at_rest_are_no_copies():
     rest = {"position": np.zeros(60)}
-    two = [replace(cart_trial(n), observed=rest) for n in "ab"]
-    assert validated_trials(MODEL, [*two, cart_trial("c")])
+    assert validated_trials(MODEL, [replace(cart_trial(n), observed=rest) for n in "ab"])
 
 
 def test_trials_in_which_nothing_moves_are_refused():
     rest = {"position": np.full(60, 2.0)}
-    with pytest.raises(InputError, match="observations that are constant in all trials; expected"):
-        validated_trials(MODEL, [replace(cart_trial(n), observed=rest) for n in "ab"])
+    still = [replace(cart_trial(n), observed=rest) for n in "ab"]
+    with pytest.raises(InputError, match="observations that are constant in each trial; expected"):
+        explain(MODEL, [*still, replace(cart_trial("c"), role="held_out")])
 
 
 @pytest.mark.parametrize("code", [99999.0, -9999.0, -1e6])

@@ -102,6 +102,14 @@ def test_arbitrary_delays_of_all_logs_are_no_two_groups():
     assert "most of these logs do not begin together with their videos" in sentence
 
 
+def test_a_lag_of_most_trials_is_not_said_to_be_arbitrary():
+    lag = np.array([0.0, 0.1, 0.2, 0.0, 0.1, 0.2, 2.0, 2.1, -1.6, -2.7])
+    beats = {f"T{i}": status(x, flap_hz=2.36) for i, x in enumerate(lag)}
+    found = log_synchrony_warnings({}, beats)
+    assert not any("most of these logs" in sentence for sentence in found)
+    assert any(s.startswith("Trials T0, T1, T2, T3, T4, T5 and trials T6, T7") for s in found)
+
+
 def test_one_delay_of_all_logs_gives_no_groups():
     rng = np.random.default_rng(1)
     hz = np.repeat([1.6, 2.35, 4.0], 6)

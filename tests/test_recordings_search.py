@@ -83,6 +83,16 @@ def test_a_ship_fitted_to_zigzags_turns_in_circles(recordings):
         assert 2.0 < run.measures["tactical_diameter_m"] / 7.0 < 5.0
 
 
+@pytest.mark.long
+def test_the_tracked_point_of_a_robotic_fish_is_ahead_of_its_centre_of_mass(recordings):
+    """The causes that all maxima of its posterior share (docs/recordings.md)."""
+    found = search_recording("robotic_fish", recordings / "robotic_fish")
+    assert named_causes(found) >= {"keypoint_bias", "thrust_line_offset"}
+    number = {n.label: n.value for n in found.numbers}
+    assert number["keypoint_bias.bx"] == pytest.approx(0.0095, abs=0.002)
+    assert found.held_out.extended["path_rmse"] < found.held_out.baseline["path_rmse"]
+
+
 def ship_turn(side: float) -> Trial:
     """A ship of 7 m that is put into a turn of 10 m radius by 35 degrees of rudder."""
     t = np.arange(0.0, 120.0, 0.5)

@@ -13,7 +13,7 @@ from ..data.majority import deviations_from_majority
 from ..study import Pool, StudySettings
 from ..study.recording_pixels import setup_in_recording_pixels
 from .boards import GreyPicture
-from .pool_corner_fit import MAX_CORNER_STD_SHARE_OF_POOL_DIAGONAL, CornerFit, fit_corners
+from .pool_corner_fit import CLICK_ERROR_SHARE_OF_POOL_DIAGONAL, CornerFit, fit_corners
 from .resection import pool_diagonal_px
 from .study_camera import lens_of_camera_section, pool_corners_m
 
@@ -28,13 +28,15 @@ class PoolEdgeCheck:
     """Edges of the pool in a frame against the corners of study.yaml.
 
     found: number of edges found. off_px, off_m: largest distance of a corner from where edges meet
-    (of an edge where they do not), None where fewer than two edges were found. moved: whether that
+    (of an edge where they do not), None where fewer than two edges were found. off_std_m: standard
+    deviation of the least certain corner, None where an edge is missing. moved: whether that
     is more than corners given by eye are off; turned: whether the frame fits turned by 180 degrees.
     """
 
     found: int
     off_px: float | None
     off_m: float | None
+    off_std_m: float | None
     moved: bool
     turned: bool
 
@@ -71,36 +73,44 @@ def compare_pool_edges(grey: GreyPicture, setup: StudySettings) -> PoolEdgeCheck
         )
     px_per_m = diagonal / float(np.linalg.norm(corners_m[2] - corners_m[0]))
     found = sum(line is not None for line in fit.lines)
-    return PoolEdgeCheck(found, off, None if off is None else off / px_per_m, moved, turned)
+    std = float(np.max(fit.std_px)) / px_per_m
+    return PoolEdgeCheck(
+        found=found,
+        off_px=off,
+        off_m=None if off is None else off / px_per_m,
+        off_std_m=std if np.isfinite(std) else None,
+        moved=moved,
+        turned=turned,
+    )
 
 
 def deviating_edges_m(
     statuses: Mapping[str, Mapping[str, Any]], pool: Pool
 ) -> dict[str, tuple[float, float]]:
     """Recordings whose pool edges are not where most others have them: distance from the corners of
-    study.yaml there, and in most others, m. Corners are uncertain by less than
-    `MAX_CORNER_STD_SHARE_OF_POOL_DIAGONAL`.
+    study.yaml there, and in most others, m. Recordings that show all four edges are compared.
 
     statuses: content of status/ID.json by trial id.
     """
-    seen = {name: float(found["off_m"]) for name, status in statuses.items()
-            if (found := status.get("pool_edges")) and found["off_m"] is not None}  # fmt: skip
-    least = MAX_CORNER_STD_SHARE_OF_POOL_DIAGONAL * float(np.hypot(pool.length_m, pool.width_m))
-    off = deviations_from_majority(np.array(list(seen.values())), np.zeros(len(seen)), least)
-    return {name: (far, far - float(by))
-            for (name, far), by in zip(seen.items(), off, strict=True) if by}  # fmt: skip
+    seen = {name: found for name, status in statuses.items()
+            if (found := status.get("pool_edges")) and found.get("off_std_m") is not None
+            and found["off_m"] is not None}  # fmt: skip
+    offset_m, std_m = (np.array([one[key] for one in seen.values()], dtype=float)
+                       for key in ("off_m", "off_std_m"))  # fmt: skip
+    least_m = CLICK_ERROR_SHARE_OF_POOL_DIAGONAL * float(np.hypot(pool.length_m, pool.width_m))
+    deviation_m = deviations_from_majority(offset_m, std_m, least_m)
+    return {name: (float(own), float(own - off))
+            for name, own, off in zip(seen, offset_m, deviation_m, strict=True) if off}  # fmt: skip
 
 
-def deviating_edge_warnings(
-    statuses: Mapping[str, Mapping[str, Any]], pool: Pool
-) -> Iterator[str]:  # fmt: skip
+def deviating_edge_warnings(statuses: Mapping[str, Mapping[str, Any]], pool: Pool) -> Iterator[str]:
     """A sentence for each of `deviating_edges_m` that does not count as moved by itself."""
-    for name, (far, usual) in deviating_edges_m(statuses, pool).items():
+    for name, (own_m, majority_m) in deviating_edges_m(statuses, pool).items():
         if not statuses[name]["pool_edges"]["moved"]:
             yield (
-                f"Trial {name}: the pool's edges lie up to {1000 * far:.0f} mm from the corners of "
-                f"study.yaml, in most other recordings {1000 * usual:.0f} mm. Was the camera moved "
-                "or zoomed, or the picture cropped?"
+                f"Trial {name}: the pool's edges lie up to {1000 * own_m:.0f} mm from the corners "
+                f"of study.yaml, in most other recordings {1000 * majority_m:.0f} mm. Was the "
+                "camera moved or zoomed, or the picture cropped?"
             )
 
 

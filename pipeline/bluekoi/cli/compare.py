@@ -55,8 +55,8 @@ def compare(
         click.echo(f"Written: {out / 'comparison.csv'}, {out / 'comparison.png'} and .pdf")
     incomplete = {run.folder: run.missing for run in runs if run.missing}
     for folder, missing_results in incomplete.items():
-        click.echo(f"No {' and no '.join(missing_results)} in {folder}: what they hold was not "
-                   "compared. Let `bluekoi run` come to its end there.", err=True)  # fmt: skip
+        click.echo(f"No {' and no '.join(missing_results)} in {folder}: their contents were not "
+                   "compared. Complete that run with `bluekoi run`.", err=True)  # fmt: skip
     if incomplete:
         ctx.exit(1)
 

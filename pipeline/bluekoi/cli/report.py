@@ -59,7 +59,7 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
         raise input_error(path, "", "no verdict", "the result of a search", remedy)
     for line in summary_lines(found) if found else ["No search for causes yet."]:
         click.echo(escape_control_characters(line))
-    for line in _lines_on_trials(study, folder):
+    for line in _failure_and_warning_lines(study, folder):
         click.echo(escape_control_characters(line))
     page = folder / "report.html"
     if not page.is_file():
@@ -74,7 +74,7 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
         ctx.exit(1)
 
 
-def _lines_on_trials(study: Path, results: Path) -> list[str]:
+def _failure_and_warning_lines(study: Path, results: Path) -> list[str]:
     """A line for each failed trial of a run, and for each of the warnings that it ended with."""
     from ..errors import InputError  # noqa: PLC0415
     from ..files import read_json  # noqa: PLC0415
@@ -89,10 +89,11 @@ def _lines_on_trials(study: Path, results: Path) -> list[str]:
     else:
         try:
             loaded = load_study(study)
+            statuses = available_trial_statuses(loaded, results)
+            warnings = run_warnings(loaded, results, statuses)
         except InputError:  # none, or one that has changed: `warn_of_outdated_results` says so
             return []
-        statuses = available_trial_statuses(loaded, results)
-        failed, warnings = failed_trial_lines(statuses), run_warnings(loaded, results, statuses)
+        failed = failed_trial_lines(statuses)
     return [*failed, *(f"Warning: {text}" for text in warnings)]
 
 

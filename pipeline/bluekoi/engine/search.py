@@ -119,8 +119,7 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
     best, before, explored = visited.best, -np.inf, set[frozenset[str]]()
     while best.log_posterior > before + MIN_LOG_POSTERIOR_GAIN and best.model.key not in explored:
         before = best.log_posterior
-        _add_further_causes(visited, best)
-        if visited.best.log_posterior <= before + MIN_LOG_POSTERIOR_GAIN:
+        if not _add_further_causes(visited, best):
             explored.add(best.model.key)
             _remove_and_replace_causes(visited, best)
             _refit_with_shared_noise(visited)
@@ -128,17 +127,18 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
     return visited
 
 
-def _add_further_causes(visited: FittedCauseSets, best: ScoredCauseSet) -> None:
+def _add_further_causes(visited: FittedCauseSets, best: ScoredCauseSet) -> bool:
     """Fit the best set with a further cause; where none is more probable, also begun under small
-    random forces.
+    random forces. Returns: whether a more probable set was found.
     """
     if len(best.causes) >= visited.problem.most_causes:
-        return
+        return False
     for further in (fits_of_further_causes, fits_begun_under_small_forces):
         visited.add_side_by_side(further(visited, best))
         visited.converge()
         if visited.best.log_posterior > best.log_posterior + MIN_LOG_POSTERIOR_GAIN:
-            return
+            return True
+    return False
 
 
 def _remove_and_replace_causes(visited: FittedCauseSets, best: ScoredCauseSet) -> None:

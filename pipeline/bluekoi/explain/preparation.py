@@ -11,12 +11,13 @@ import numpy as np
 from ..data import Float
 from ..engine import CauseSearchProblem, candidates_by_effect_name
 from ..engine.candidates import RESIDUAL_EFFECT_KIND
+from ..errors import InputError
 from ..fitting import FreeParameter, Noise, TrialSeries, filter_all, trial_parameter_vector
 from ..fitting.filtering import disturbance_slots
 from ..integrate import CompiledSystem, compile_system
 from .diagnosis import divergence_error
 from .model import Model
-from .recording_faults import median_interval_s
+from .recording_faults import median_interval_s, motionless_findings
 from .recording_warnings import time_unit_warnings
 from .sampling import MIN_SAMPLES_PER_BLOCK, block_averaging_rate_hz
 from .stepping import (
@@ -57,7 +58,12 @@ class PreparedCauseSearch:
 def prepare_cause_search(
     model: Model, trials: Sequence[Trial], names: Sequence[str], progress: Callable[[str], None]
 ) -> PreparedCauseSearch:
-    """`PreparedCauseSearch` with the candidates of these names and all residual terms."""
+    """`PreparedCauseSearch` with the candidates of these names and all residual terms.
+
+    Raises: InputError where nothing moves in the trials.
+    """
+    if motionless := motionless_findings(trials):
+        raise InputError(motionless)
     progress("time constants")
     warnings: list[str] = []
     trials, cut = _split_trials_where_few(trials)

@@ -62,11 +62,13 @@ def _has_same_samples(a: Trial, b: Trial) -> bool:
 
 
 def motionless_findings(trials: Sequence[Trial]) -> list[InputIssue]:
-    """A finding where no observation changes in any trial: nothing determines the model."""
+    """A finding where no observation changes within any of the trials to fit: nothing determines
+    how the state changes.
+    """
     columns = [np.asarray(x, dtype=float) for t in trials for x in t.observed.values()]
     if any(np.nanmax(x) > np.nanmin(x) for x in columns):
         return []
-    return [InputIssue("trials", "", "observations that are constant in all trials", "a motion",
+    return [InputIssue("trials", "", "observations that are constant in each trial", "a motion",
                        "Do the columns hold what their names say?")]  # fmt: skip
 
 

@@ -12,12 +12,7 @@ from ..data import Float
 from ..errors import InputError, InputIssue, did_you_mean, input_error
 from ..fitting import TrialSeries
 from .model import Model
-from .recording_faults import (
-    duplicate_recordings,
-    motionless_findings,
-    samples_after_gaps,
-    spike_findings,
-)
+from .recording_faults import duplicate_recordings, samples_after_gaps, spike_findings
 from .sampling import averaged_to_rate
 from .system_assembly import AssembledSystem, scale_constant_names
 
@@ -67,7 +62,7 @@ def validated_trials(model: Model, trials: Sequence[Trial]) -> list[Trial]:
         findings.append(InputIssue("trials", "", "no trial", "one trial at least"))
     if not findings and all(t.role == HELD_OUT_ROLE for t in trials):
         findings.append(InputIssue("trials", "role", "all trials held out", "a trial to fit"))
-    findings = findings or [*duplicate_recordings(trials), *motionless_findings(trials)]
+    findings = findings or duplicate_recordings(trials)
     if findings:
         raise InputError(findings)
     return [_with_unwrapped_angles(model, t) for t in trials]

@@ -33,6 +33,8 @@ MAX_ERRORS_SHOWN = 9
 DETECTABLE_COLOUR = "#56B4E9"
 SMALLEST_SHOWN_PCT = 0.01
 """Smallest standard deviation that is printed as a number, %."""
+MIN_COLOUR_LIMIT_PCT = 0.05
+"""Smallest colour limit of the maps, %: the accuracy of the detector."""
 AXIS_HEADROOM = 6.0
 """Space right of the longest bar, a factor on the logarithmic axis."""
 
@@ -84,12 +86,12 @@ def _source_of_depth(found: Mapping[str, Any]) -> str:
 
 def _colour_limit_pct(grid: dict[str, Float]) -> float:
     """Colour limit, %: twice the median standard error, or the largest error of the cells with no
-    more than that, so that errors within the noise stay pale.
+    more than that; at least `MIN_COLOUR_LIMIT_PCT`.
     """
-    within = 2 * float(np.nanmedian(grid["std"][grid["count"] > 0]))
-    known = (grid["count"] > 0) & (grid["std"] <= within)
+    noise_limit = 2 * float(np.nanmedian(grid["std"][grid["count"] > 0]))
+    known = (grid["count"] > 0) & (grid["std"] <= noise_limit)
     both = np.abs(np.concatenate([grid["excess"][known], grid["model"][known]]))
-    return 100 * max(float(np.nanmax(both)), within)
+    return max(100 * float(np.nanmax(both)), 100 * noise_limit, MIN_COLOUR_LIMIT_PCT)
 
 
 def _as_float_array(values: Any) -> Float:

@@ -96,8 +96,7 @@ def partial_residuals(
     laws: Mapping[str, Mapping[str, Any]],
     noise: Noise,
 ) -> dict[str, dict[str, dict[str, Float]]]:
-    """Cause -> trial -> `x`, `y` and `cause_force` (parts,): what the law of the cause is held
-    against.
+    """Cause -> trial -> `x`, `y` and `cause_force` (parts,): data with which the law is compared.
 
     y is the partial residual: the force that the model with all causes still lacks, smoothed with
     the random forces of `noise`, plus the cause's own force, which is also given alone. x is the

@@ -81,8 +81,8 @@ def _out_of_step_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
 def _several_lags_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
     names, (hz, lag) = np.array(list(beats)), _frequencies_and_lags(beats)
     return [
-        _two_delays_warning(names, hz, groups) if len(groups.others) < MIN_DEVIATING_TRIALS
-        else _scattered_delays_warning(names, hz, groups)
+        _scattered_delays_warning(names, hz, groups) if groups.scattered
+        else _two_delays_warning(names, hz, groups)
         for groups in repeats_with_several_lags(hz, lag)
     ]  # fmt: skip
 
@@ -100,10 +100,10 @@ def _two_delays_warning(names: np.ndarray, flap_hz: Float, groups: LagGroups) ->
 
 
 def _scattered_delays_warning(names: np.ndarray, flap_hz: Float, groups: LagGroups) -> str:
-    every = np.sort(np.concatenate([groups.largest, groups.second, groups.others]))
+    trials = np.sort(np.concatenate([groups.largest, groups.second, groups.others]))
     return (
-        f"Trials {', '.join(names[every])} flap at the same frequency, "
-        f"{flap_hz[every].mean():.2f} Hz, but their tails beat at different times after their "
+        f"Trials {', '.join(names[trials])} flap at the same frequency, "
+        f"{flap_hz[trials].mean():.2f} Hz, but their tails beat at different times after their "
         "motor logs: most of these logs do not begin together with their videos. Check time_s in "
         "the motor logs, and start_s."
     )
@@ -154,6 +154,12 @@ class LagGroups:
     second: np.ndarray
     others: np.ndarray
     apart_beats: float
+
+    @property
+    def scattered(self) -> bool:
+        """Whether there are more than two lags, and none of them is that of most trials."""
+        total = len(self.largest) + len(self.second) + len(self.others)
+        return len(self.others) >= MIN_DEVIATING_TRIALS and 2 * len(self.largest) <= total
 
 
 def repeats_with_several_lags(flap_hz: Float, lag_rad: Float) -> list[LagGroups]:

@@ -81,14 +81,6 @@ def flapping_from_log(path: str | Path) -> FlappingFrequency:
     )
 
 
-def coverage_remarks(share: float) -> tuple[str, ...]:
-    """A remark where a motor log covers less than `MIN_LOGGED_SHARE` of its recording."""
-    text = (
-        f"the motor log covers {100 * share:.0f} % of the recording; its frequency is used for all"
-    )
-    return (text,) if share < MIN_LOGGED_SHARE else ()
-
-
 def motor_log_coverage(
     path: str | Path, flapping: FlappingFrequency, recording_s: tuple[float, float]
 ) -> float:

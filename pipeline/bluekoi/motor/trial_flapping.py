@@ -12,7 +12,7 @@ from ..data import FlappingFrequency, Positions
 from ..errors import input_error
 from ..study import Study, Trial
 from .clock_comparison import flapping_compared_with_video, flapping_from_stated_frequency
-from .motor_log import coverage_remarks, flapping_from_log, motor_log_coverage
+from .motor_log import MIN_LOGGED_SHARE, flapping_from_log, motor_log_coverage
 from .tail_beat import (
     MAX_BEAT_STD_SHARE,
     tail_beat_from_video,
@@ -71,7 +71,12 @@ def _with_coverage_remark(
     log: Path, flapping: FlappingFrequency, positions: Positions
 ) -> FlappingFrequency:
     share = motor_log_coverage(log, flapping, (positions.time_s[0], positions.time_s[-1]))
-    return replace(flapping, remarks=(*flapping.remarks, *coverage_remarks(share)))
+    if share >= MIN_LOGGED_SHARE:
+        return flapping
+    remark = (
+        f"the motor log covers {100 * share:.0f} % of the recording; its frequency is used for all"
+    )
+    return replace(flapping, remarks=(*flapping.remarks, remark))
 
 
 def _flapping_from_video(study: Study, trial: Trial, positions: Positions) -> FlappingFrequency:

@@ -142,9 +142,8 @@ def _body_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
     remedy = "body_length_m is nose to root of the tail with the head of robot.head_length_m."
     if abs(seen_m[2] - robot.com_to_tail_base_m - robot.tail_length_m) <= MAX_OTHER_ERROR_M:
         remedy = (
-            f"The difference is that of tail_length_m, {robot.tail_length_m:g} m: is the point "
-            "tail_base at the root of the tail and not at its tip, and are the two exchanged under "
-            f"`bodyparts:`? Else, {remedy}"
+            f"The difference equals tail_length_m, {robot.tail_length_m:g} m: are tail_base and "
+            f"tail_tip exchanged, in the file or in `bodyparts:`? If not, {remedy}"
         )
     also = f" (or robot.{other} {fitting[other]:.3f})" if fitting[other] > 0 else ""
     return InputIssue(

@@ -26,9 +26,10 @@ its usual repeatability."""
 MIN_ANGLES_FOR_GAIN = 4
 """Different stated angles that show an error of the servo's gain beside one wrong angle."""
 MIN_PART_ERROR_SHARE, MIN_PART_ERROR_M = 0.05, 0.008
-"""Error of one part's length beside the others above which the lengths of study.yaml are doubted:
-in 32 simulated studies of three generators it is 2.6 % and 1.1 mm at most; people place keypoints
-less accurately."""
+"""ASSUME error of one part's length beside the others above which the lengths of study.yaml are
+doubted, both as a share and in metres. In the 32 simulated studies of docs/evidence.md
+(`tidal_lock` 9405, `harbour_dock` 9204, `campus_pool` 5871) it is 2.6 % and 1.1 mm at most; people
+place keypoints less accurately."""
 FRAME_HASHES, MIN_COMMON_HASHES = 64, 4
 """Frames of a trial that are compared with those of others: those with the smallest hashes (bottom
 sketch; Broder, Proc. SEQUENCES 1997, 21), and how many two trials may not have in common."""
@@ -42,11 +43,12 @@ LENGTH_ENDPOINTS_AND_KEYS = {
 }
 """Length -> the keypoints between which it is measured, and the keys that state it."""
 MIN_POSE_SHARE = 0.5
-"""Share of the frames of a trial with a pose, below which there is a warning: most of its track is
-interpolated."""
+"""Share of the frames of a trial with a pose, below which most of its track is interpolated: there
+is a warning."""
 STRAIGHT_TAIL_QUANTILE = 0.95
-"""Quantile of the distance from core_center to tail_tip that stands for a straight tail: a beating
-tail is straight twice a beat, where the distance is largest, and single frames have errors."""
+"""ASSUME quantile of the distance from core_center to tail_tip that stands for a straight tail: a
+beating tail is straight twice a beat, where the distance is largest, and single frames have errors.
+"""
 
 
 def status_of_body_measurements(
@@ -70,7 +72,8 @@ def _core_to_tail_tip_m(positions: Positions) -> float | None:
     """Distance from core_center to tail_tip with a straight tail, where tail_base is not tracked,
     which would show the length of the core; else None.
     """
-    if "tail_base" in positions.names or not {"core_center", "tail_tip"} <= {*positions.names}:
+    base_seen = "tail_base" in positions.names and np.isfinite(positions.part("tail_base")).any()
+    if base_seen or not {"core_center", "tail_tip"} <= {*positions.names}:
         return None
     apart = np.linalg.norm(positions.part("tail_tip") - positions.part("core_center"), axis=1)
     apart = apart[np.isfinite(apart)]

@@ -19,7 +19,7 @@ from ..files import to_json_types
 from ..footage import open_recording
 from ..keypoints import source_module
 from ..motor import flapping_from_log, flapping_record, trial_flapping
-from ..motor.motor_log import coverage_remarks, motor_log_coverage
+from ..motor.motor_log import motor_log_coverage
 from ..motor.swimming_plausibility import tail_length_seen, trial_list_text
 from ..pose.body import RIGID_PARTS
 from ..pose.common_mistakes import merge_common_mistakes
@@ -54,8 +54,8 @@ def file_findings(study: Study) -> list[InputIssue]:
 def check_files(
     study: Study, progress: Callable[[float], None] = lambda _: None
 ) -> tuple[list[InputIssue], dict[str, dict[str, Any]], dict[str, tuple[str, ...]]]:
-    """`file_findings`; what the keypoint files of sound trials say of flapping frequency and tail,
-    in the words of status/ID.json; and the remarks on the footage. The last two by trial id.
+    """`file_findings`; what the files of sound trials say of motor log, flapping frequency and
+    tail, in the words of status/ID.json; and the remarks on the footage. The last two by trial id.
 
     progress: called with the share of the trials done.
     """
@@ -67,7 +67,8 @@ def check_files(
             if trial.reads_keypoints:
                 statuses[trial.trial_id] = _check_keypoints(study, trial)
             else:
-                remarks[trial.trial_id] = _check_footage(study, trial)
+                logged, remarks[trial.trial_id] = _check_footage(study, trial)
+                statuses[trial.trial_id] = {"ok": True, "logged_share": logged}
         except InputError as error:
             found += [_with_study_folder(study.root, one) for one in error.findings]
         progress(done / len(study.trials))
@@ -154,8 +155,8 @@ def _check_keypoints(study: Study, trial: Trial) -> dict[str, Any]:
     return dict(to_json_types(status))
 
 
-def _check_footage(study: Study, trial: Trial) -> tuple[str, ...]:
-    """Remarks on the footage of a trial.
+def _check_footage(study: Study, trial: Trial) -> tuple[float | None, tuple[str, ...]]:
+    """Share of the footage of a trial that its motor log covers (None without a log), and remarks.
 
     Raises: InputError where a trial's motor log or footage cannot be read, or the log is of another
     time or contradicts flap_hz.
@@ -166,8 +167,8 @@ def _check_footage(study: Study, trial: Trial) -> tuple[str, ...]:
     setup_in_recording_pixels(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
     _check_start_in_picture(study, trial, film.size_px)
     check_frame_count(study, trial, film.frames_in_part, film.fps or film.nominal_fps)
-    logged = _check_motor_log(study, trial, trial.end_s or film.duration_s)
-    return (*film.remarks, *(() if logged is None else coverage_remarks(logged)))
+    end_s = film.duration_s if trial.end_s is None else min(trial.end_s, film.duration_s)
+    return _check_motor_log(study, trial, end_s), film.remarks
 
 
 def _check_motor_log(study: Study, trial: Trial, end_s: float) -> float | None:

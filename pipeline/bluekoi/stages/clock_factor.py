@@ -75,7 +75,12 @@ def clock_factors(
 def _factor_of_deviating_trials(
     study: Study, flapping: Mapping[str, FlappingFrequency]
 ) -> dict[str, ClockFactor]:
-    """The factor that trials with a log share whose clock is not that of most others."""
+    """The factor that trials with a log share whose clock is not that of most others, which is
+    right: else it is not known which ones are wrong.
+    """
+    common = common_clock_ratio(flapping.values())
+    if common is None or abs(common[0] - 1.0) > CLOCK_AGREEMENT_SIGMAS * MIN_CLOCK_RATIO_STD_SHARE:
+        return {}
     logged = [n for n in trials_with_deviating_clock(flapping)
               if flapping[n].source == "motor_log" and np.isfinite(flapping[n].ratio)]  # fmt: skip
     factor = _common_factor(flapping, logged)
@@ -84,8 +89,8 @@ def _factor_of_deviating_trials(
     tolerance = CLOCK_AGREEMENT_SIGMAS * np.hypot(
         [flapping[n].ratio_std for n in logged], MIN_CLOCK_RATIO_STD_SHARE * factor.value
     )
-    alike = [n for n, most in zip(logged, tolerance, strict=True)
-             if abs(flapping[n].ratio - factor.value) < most]  # fmt: skip
+    alike = [n for n, limit in zip(logged, tolerance, strict=True)
+             if abs(flapping[n].ratio - factor.value) < limit]  # fmt: skip
     powers = {study.trial(n).power_pct for n in alike}
     enough = len(alike) >= MIN_TRIALS_WITH_ONE_WRONG_CLOCK and len(powers) > 1
     return dict.fromkeys(alike, factor) if enough else {}
@@ -153,7 +158,8 @@ def with_clock_cause(
 ) -> dict[str, Any]:
     """mismatch.json with `clock_error` as its first cause; unchanged where no factor is known.
 
-    The factor is that of most trials; what the search found of the clock besides is included.
+    factors: of the fitted trials, which are `trials` in number. The factor is that of most of
+    these; what the search found of the clock besides is included.
     """
     if not factors:
         return dict(content)
@@ -164,6 +170,12 @@ def with_clock_cause(
     all_trials = len(alike) == trials
     of = "" if all_trials else f" in {len(alike)} of {trials} trials"
     said = f"fps is {value:.4g} times the true frame rate{of}"
+    gear, turns = "", ""
+    if all_trials:
+        gear = (" If fps is right, the shaft of the log is not that of the tail (a gear between "
+                "them).")  # fmt: skip
+        turns = (f" (or the motor log counts {1 / factor.value:.4g} turns a tail beat: check "
+                 "both)")  # fmt: skip
     cause = {
         "name": CLOCK_CAUSE,
         "kind": clock_error.EFFECT_KIND,
@@ -174,16 +186,14 @@ def with_clock_cause(
         "credible_set": [CLOCK_CAUSE],
         "log_evidence_gain": 0.5 * factor.sigmas**2,
         "sentence": f"The frame rate is wrong by a factor: {said}. The tail beats "
-        f"{factor.value:.4g} times as fast in the video as the motor does. If fps is right, the "
-        "shaft of the log is not that of the tail (a gear between them).",
+        f"{factor.value:.4g} times as fast in the video as the motor does.{gear}",
     }
     others = [c for c in content["causes"] if c is not fine]
     rest = f" In true time: {content['sentence']}"
     return {
         **content,
         "verdict": clock_error.EFFECT_KIND,
-        "sentence": f"Measurement error: clock_error, {said} (or the motor log counts "
-        f"{1 / factor.value:.4g} turns a tail beat: check both).{rest}",
+        "sentence": f"Measurement error: clock_error, {said}{turns}.{rest}",
         "causes": [cause, *others],
         "rivals": [r for r in content["rivals"] if r["name"] != CLOCK_CAUSE],
         "probabilities": {**content["probabilities"], CLOCK_CAUSE: 1.0},

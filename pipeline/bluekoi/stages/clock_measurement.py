@@ -55,7 +55,7 @@ def with_clock_measurement(
     stated = _are_frequencies_shared_by_trials(found)
     groups = [s.group for s in seen]
     floor = np.hypot(own, MIN_CLOCK_RATIO_STD_SHARE)
-    wrong = None if stated else trials_with_deviating_clock(ratio, floor, groups)
+    wrong = None if stated else split_by_clock_ratio(ratio, floor, groups)
     if wrong is not None:
         return _with_clock_error_of_some_trials(series, [s.name for s in seen], ratio, own, wrong)
     within, between = within_between_group_variances(ratio, own**2, groups)
@@ -69,9 +69,7 @@ def with_clock_measurement(
     ]
 
 
-def trials_with_deviating_clock(
-    ratio: Float, std: Float, groups: Sequence[str]
-) -> np.ndarray | None:
+def split_by_clock_ratio(ratio: Float, std: Float, groups: Sequence[str]) -> np.ndarray | None:
     """Which trials have a wrong clock (n,), by their ratios less 1 and the standard deviations of
     these; None unless a part of them stands apart. A part that holds all trials of its powers
     (groups) does not: a supply that sags under load has the same ratios.

@@ -94,7 +94,8 @@ def mismatch(study: Path, results: Path) -> None:
             cause["law"] = laws[cause["name"]]
         if cause["name"] == CLOCK_CAUSE and (part := trials_with_wrong_clock(series)):
             cause["regime"] = f"trials {', '.join(part)}"
-    write_json(ResultPaths(results).mismatch, with_clock_cause(content, factors, len(series)))
+    of_fitted = {one.name: factors[one.name] for one in series if one.name in factors}
+    write_json(ResultPaths(results).mismatch, with_clock_cause(content, of_fitted, len(series)))
 
 
 def refuse_single_trial(study: Path, count: int) -> None:

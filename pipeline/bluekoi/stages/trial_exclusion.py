@@ -26,9 +26,10 @@ def contradicted_trials(
 ) -> dict[str, str]:
     """Trial with a track -> what of it contradicts trials.csv.
 
-    A head angle or a body length unlike the other trials'; a tail whose end is not where the others
-    have it, in a picture whose pool edges are not either; a tail beat of another rate than the
-    motor's, unless most trials share that ratio; a recording that is exchanged with another one.
+    A head angle or a body length unlike the other trials'; a tail end that is not seen, though it
+    is in most trials, where the edges of the pool deviate as well; a tail beat of another rate
+    than the motor's, unless most trials share that ratio; a recording that is exchanged with
+    another one.
     None where they are half of the trials or more: then it is not known which ones are wrong.
     """
     trials = {trial.trial_id: trial for trial in campaign.study.trials}
@@ -36,10 +37,11 @@ def contradicted_trials(
     exchanged = [i for pair in exchanged_recordings(campaign.statuses) for i in pair]
     angles = compare_head_angles(trials, campaign.statuses).contradicted
     lengths = deviating_lengths(campaign.geometry, MIN_LENGTH_DEVIATION_SHARE)
-    unlike = deviating_edges_m(campaign.statuses, campaign.study.setup.pool)
-    without_end = (campaign.geometry or {}).get("trials_without_tail_end", ())
+    deviating_edges = deviating_edges_m(campaign.statuses, campaign.study.setup.pool)
+    trials_without_tail_end = (campaign.geometry or {}).get("trials_without_tail_end", ())
     found = {
-        **dict.fromkeys([*lengths, *unlike.keys() & without_end], "rigid lengths"),
+        **dict.fromkeys(lengths, "rigid lengths"),
+        **dict.fromkeys(deviating_edges.keys() & trials_without_tail_end, "edges of the pool"),
         **dict.fromkeys(angles, "head angle"),
         **dict.fromkeys([*clocks, *exchanged], "tail-beat frequency"),
     }

@@ -88,8 +88,8 @@ def _remedy(item: dict[str, Any]) -> str:
         return DECIMAL_POINT_REMEDY
     if item["type"] == "less_than_equal" and item["loc"] == ("head_length_m",):
         return length_unit_remedy("head_length_m", float(value), 1.0)
-    negative = item["type"] == "greater_than_equal" and float(value) < 0  # not for a NaN
-    return EXCHANGED_REMEDY if negative and item["loc"] == ("power_pct",) else ""
+    is_power = item["type"] == "greater_than_equal" and item["loc"] == ("power_pct",)
+    return EXCHANGED_REMEDY if is_power and float(value) < 0 else ""  # not for a NaN
 
 
 def _expected_text(item: dict[str, Any]) -> str:

@@ -11,8 +11,9 @@ from pathlib import Path
 OVERDUE_FACTOR = 1.2
 """A single job that takes this many times its expected time leaves the rest unknown."""
 MIN_DONE_SHARE_OF_FIRST_RUN = 0.1
-"""Share of the jobs that must be done before a run without an earlier one estimates its time. The
-first jobs of a new installation compile: one of the demo's 112 jobs alone gave 18 min for 5."""
+"""ASSUME share of the jobs that must be done before a run without an earlier one estimates its
+time. The first jobs of a new installation compile: one of the demo's 112 jobs alone gave 18 min
+for 5."""
 
 
 @dataclass

@@ -286,6 +286,7 @@ def test_a_zoomed_picture_is_kept_from_the_fits():
     assert list(deviating_edge_warnings(dark.statuses, dark.study.setup.pool)) == []
     (tail,) = length_warnings(zoomed.geometry, None)
     assert tail.startswith(f"Trial {last}: no frame shows the end of the robot's tail")
+    assert length_warnings(zoomed.geometry, None, failed=[last]) == []
 
 
 def test_where_half_of_the_trials_contradict_the_table_none_is_kept_from_the_fits():

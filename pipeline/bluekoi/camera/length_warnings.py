@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -27,24 +27,27 @@ def length_warnings(
     geometry: Mapping[str, Any] | None,
     mismatch: Mapping[str, Any] | None,
     refractive_index: float = INDEX_OF_WATER,
+    failed: Collection[str] = (),
 ) -> list[str]:
     """A sentence for each doubt that the rigid lengths raise and the verdict does not settle: their
     size, an error of the camera by their pattern over the pool, trials that differ from the others.
 
     geometry, mismatch: content of geometry.json and mismatch.json. refractive_index: that of
-    study.yaml.
+    study.yaml. failed: trials without a track, which have a message of their own.
     """
     causes = (mismatch or {}).get("causes") or []
     named = {c["name"] for c in causes if c.get("weight", 1.0) >= MIN_CAUSE_PROBABILITY}
     return [
-        *_unseen_tail_end_warnings(geometry or {}),
+        *_unseen_tail_end_warnings(geometry or {}, failed),
         *_scale_warnings(geometry or {}, named),
         *_camera_error_warnings(geometry or {}, named, refractive_index),
         *_deviating_trial_warnings(geometry),
     ]
 
 
-def _unseen_tail_end_warnings(geometry: Mapping[str, Any]) -> Iterator[str]:
+def _unseen_tail_end_warnings(
+    geometry: Mapping[str, Any], failed: Collection[str]
+) -> Iterator[str]:
     if not geometry.get("tail_end_seen", True):
         yield (
             "No frame shows the end of the robot's tail near the position that study.yaml gives: "
@@ -53,6 +56,8 @@ def _unseen_tail_end_warnings(geometry: Mapping[str, Any]) -> Iterator[str]:
             "tail_length_m (caudal base to tip) again."
         )
     for name in geometry.get("trials_without_tail_end", ()):
+        if name in failed:
+            continue
         yield (
             f"Trial {name}: no frame shows the end of the robot's tail near the position that "
             "study.yaml gives, while most other recordings do. Was its picture zoomed, cropped or "

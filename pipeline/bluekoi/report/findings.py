@@ -101,7 +101,10 @@ def campaign_warnings(campaign: Campaign) -> list[str]:
     found = trial_warnings(campaign.study, campaign.statuses) + _uncalibrated_remark(campaign)
     found += unchecked_clock_notes(campaign.study)
     found += length_warnings(
-        campaign.geometry, campaign.mismatch, campaign.study.setup.water.refractive_index
+        campaign.geometry,
+        campaign.mismatch,
+        campaign.study.setup.water.refractive_index,
+        failed=[name for name, status in campaign.statuses.items() if not status.get("ok")],
     )
     found += inertia_warnings(campaign.study.setup.robot, campaign.mismatch)
     found += [_as_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]

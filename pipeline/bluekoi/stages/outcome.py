@@ -56,7 +56,12 @@ def run_warnings(
     return [
         *trial_warnings(study, statuses),
         *unchecked_clock_notes(study),
-        *length_warnings(geometry, mismatch, study.setup.water.refractive_index),
+        *length_warnings(
+            geometry,
+            mismatch,
+            study.setup.water.refractive_index,
+            failed=[name for name, status in statuses.items() if not status.get("ok")],
+        ),
         *inertia_warnings(study.setup.robot, mismatch),
     ]
 

@@ -132,6 +132,7 @@ def test_a_frame_rate_that_is_one_percent_wrong_is_no_exchange_of_repeats():
     (warning,) = clock_and_length_warnings(statuses)
     assert "exchanged" not in warning
     assert "the tail beats 1.01" in warning
+    assert "or frames are missing within the recording" in warning
 
 
 def test_a_trial_that_could_be_exchanged_with_two_others_is_in_no_pair():

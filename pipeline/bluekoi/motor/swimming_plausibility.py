@@ -21,7 +21,7 @@ import numpy as np
 
 from ..data import FlappingFrequency, Positions, SteadyState
 from ..study import Robot
-from .clock_comparison import CLOCK_RATIO_TOLERANCE
+from .clock_comparison import CLOCK_RATIO_TOLERANCE, MAX_CLOCK_ERROR_SHARE
 from .motor_log import MIN_LOGGED_SHARE
 from .tail_beat import tail_excursion
 
@@ -158,11 +158,13 @@ def _clock_warnings(ratios: dict[str, float], of: int) -> Iterator[str]:
                   for a in ratios.values())  # fmt: skip
         group = max(groups, key=len)
         value = float(np.mean([ratios.pop(i) for i in group]))
+        near = abs(value - 1) < MAX_CLOCK_ERROR_SHARE
         yield (
             f"{trial_list_text(group, of)}: the tail beats {value:.4g} times as fast in the "
             f"video as the "
             f"motor does. Either fps is {value:.4g} times the true frame rate (clock_error), and "
-            "speeds and rates are wrong by that factor, or the motor log or flap_hz is wrong."
+            "speeds and rates are wrong by that factor, or the motor log or flap_hz is wrong"
+            f"{', or frames are missing within the recording' if near else ''}."
         )
 
 

@@ -37,7 +37,6 @@ def low_pass(values: np.ndarray, hz: float) -> np.ndarray:
     return filtfilt(*butter(4, hz / 500.0), values)
 
 
-@pytest.mark.long
 def test_the_drive_is_held_back_by_dry_friction_and_an_offset(recordings):
     table = pd.read_csv(recordings / "emps" / "drive.csv")
     t, x, force = table.to_numpy().T

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from .camera.length_warnings import length_warnings
 from .camera.pool_edge_check import deviating_edge_warnings
 from .camera.turned_picture import turned_picture_warnings
 from .motor.log_synchrony import log_synchrony_warnings
@@ -14,7 +15,7 @@ from .motor.swimming_plausibility import clock_and_length_warnings, tail_warning
 from .pose.exchanged_frames import exchanged_frames_warnings
 from .pose.trial_comparison import comparison_warnings
 from .study import Study
-from .study.setup_warnings import setup_warnings
+from .study.setup_warnings import inertia_warnings, setup_warnings
 
 NO_CLOCK_NOTE = (
     "No trial has a motor_log or flap_hz: nothing can check fps. A frame rate that is wrong by a "
@@ -48,4 +49,25 @@ def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> l
         *turned_picture_warnings(trials, statuses),
         *deviating_edge_warnings(statuses, study.setup.pool),
         *comparison_warnings(study, statuses),
+    ]
+
+
+def warnings_after_run(
+    study: Study,
+    statuses: Mapping[str, Mapping[str, Any]],
+    geometry: Mapping[str, Any] | None,
+    mismatch: Mapping[str, Any] | None,
+) -> list[str]:
+    """`trial_warnings`, and a sentence for each doubt about clocks, lengths and inertia that only
+    the results of a run show.
+
+    statuses: content of status/ID.json by trial id. geometry, mismatch: content of geometry.json
+    and mismatch.json.
+    """
+    failed = [name for name, status in statuses.items() if not status.get("ok")]
+    return [
+        *trial_warnings(study, statuses),
+        *unchecked_clock_notes(study),
+        *length_warnings(geometry, mismatch, study.setup.water.refractive_index, failed=failed),
+        *inertia_warnings(study.setup.robot, mismatch),
     ]

@@ -88,7 +88,8 @@ def deviating_edges_m(
     statuses: Mapping[str, Mapping[str, Any]], pool: Pool
 ) -> dict[str, tuple[float, float]]:
     """Recordings whose pool edges are not where most others have them: distance from the corners of
-    study.yaml there, and in most others, m. Recordings that show all four edges are compared.
+    study.yaml there, and in most others, m. Recordings that show all four edges are compared;
+    differences up to `CLICK_ERROR_SHARE_OF_POOL_DIAGONAL` are no deviation.
 
     statuses: content of status/ID.json by trial id.
     """

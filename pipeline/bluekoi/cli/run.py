@@ -217,8 +217,9 @@ def _trial_warnings(results: Path, study: str) -> list[str]:
     """Warnings on the trials of a run that ended before its last stage, which prints them; none on
     the demo.
     """
-    from ..stages.outcome import available_trial_statuses, trial_warnings  # noqa: PLC0415
+    from ..stages.outcome import available_trial_statuses  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415
+    from ..trial_warnings import trial_warnings  # noqa: PLC0415
 
     if study == "demo":
         return []

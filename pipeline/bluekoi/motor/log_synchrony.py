@@ -81,7 +81,7 @@ def _out_of_step_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
 def _several_lags_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
     names, (hz, lag) = np.array(list(beats)), _frequencies_and_lags(beats)
     return [
-        _scattered_delays_warning(names, hz, groups) if groups.scattered
+        _scattered_delays_warning(names, hz, groups) if groups.is_scattered
         else _two_delays_warning(names, hz, groups)
         for groups in repeats_with_several_lags(hz, lag)
     ]  # fmt: skip
@@ -89,11 +89,12 @@ def _several_lags_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 def _two_delays_warning(names: np.ndarray, flap_hz: Float, groups: LagGroups) -> str:
     beat_ms = 1e3 / flap_hz[groups.largest].mean()
+    later_ms = beat_ms * groups.lag_difference_beats
     return (
         f"Trials {', '.join(names[groups.largest])} and trials {', '.join(names[groups.second])} "
         f"flap at the same frequency, {1e3 / beat_ms:.2f} Hz, but against their motor logs the "
-        f"tails of the second group beat {beat_ms * abs(groups.apart_beats):.0f} ms "
-        f"{'earlier' if groups.apart_beats < 0 else 'later'}, or by that plus a whole number of "
+        f"tails of the second group beat {abs(later_ms):.0f} ms "
+        f"{'earlier' if later_ms < 0 else 'later'}, or by that plus a whole number of "
         f"beats of {beat_ms:.0f} ms: in one of these groups, log and video do not begin "
         "together. Check time_s in the motor logs, and start_s."
     )
@@ -146,17 +147,17 @@ def _are_alike(lag_rad: Float) -> np.ndarray:
 class LagGroups:
     """Trials of one frequency in groups of alike lags, as indices among all trials.
 
-    apart_beats: how much later the second group's tails beat, in beats from -0.5 to 0.5.
+    lag_difference_beats: how much later the second group's tails beat, in beats from -0.5 to 0.5.
     others: trials in neither of the two.
     """
 
     largest: np.ndarray
     second: np.ndarray
     others: np.ndarray
-    apart_beats: float
+    lag_difference_beats: float
 
     @property
-    def scattered(self) -> bool:
+    def is_scattered(self) -> bool:
         """Whether there are more than two lags, and none of them is that of most trials."""
         total = len(self.largest) + len(self.second) + len(self.others)
         return len(self.others) >= MIN_DEVIATING_TRIALS and 2 * len(self.largest) <= total
@@ -183,6 +184,6 @@ def repeats_with_several_lags(flap_hz: Float, lag_rad: Float) -> list[LagGroups]
             found.append(LagGroups(
                 largest=np.flatnonzero(largest), second=np.flatnonzero(second),
                 others=np.flatnonzero(same & ~largest & ~second),
-                apart_beats=float(np.angle(other / mean)) / (2 * np.pi),
+                lag_difference_beats=float(np.angle(other / mean)) / (2 * np.pi),
             ))  # fmt: skip
     return found

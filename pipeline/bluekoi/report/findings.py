@@ -7,13 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..camera.length_warnings import length_warnings
 from ..camera.plane_camera import NO_MATRIX_REMARK
 from ..campaign import Campaign
 from ..figures.drawing.held_out import evaluated_on_fitted_trials
 from ..figures.drawing.missing_force import FORCE_NAMES, VARIABLE_LABELS
-from ..study.setup_warnings import inertia_warnings
-from ..trial_warnings import trial_warnings, unchecked_clock_notes
+from ..trial_warnings import warnings_after_run
 from .numbers import (
     format_number,
     format_probability,
@@ -98,15 +96,10 @@ def campaign_warnings(campaign: Campaign) -> list[str]:
     """Warnings on the robot, clocks, speeds, powers and lengths, on a camera without calibration,
     of the search, and one if no coefficient is determined.
     """
-    found = trial_warnings(campaign.study, campaign.statuses) + _uncalibrated_remark(campaign)
-    found += unchecked_clock_notes(campaign.study)
-    found += length_warnings(
-        campaign.geometry,
-        campaign.mismatch,
-        campaign.study.setup.water.refractive_index,
-        failed=[name for name, status in campaign.statuses.items() if not status.get("ok")],
+    found = warnings_after_run(
+        campaign.study, campaign.statuses, campaign.geometry, campaign.mismatch
     )
-    found += inertia_warnings(campaign.study.setup.robot, campaign.mismatch)
+    found += _uncalibrated_remark(campaign)
     found += [_as_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     if campaign.mismatch and cells and not any(c.get("determined", True) for c in cells.values()):

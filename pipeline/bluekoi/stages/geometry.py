@@ -113,7 +113,7 @@ def _check_by_whole_lengths(
         why = TAIL_END_NOT_SEEN if kept else WHOLE_LENGTH_NOT_MEASURED
         found = _unchecked_geometry_json(f"{LENGTHS_NOT_MEASURED}{why}")
         return {**found, "tail_end_seen": False} if kept else found
-    without = [t.trial_id for t, pairs in zip(trials, recorded, strict=True) if pairs == []]
+    unseen = [t.trial_id for t, pairs in zip(trials, recorded, strict=True) if pairs == []]
     camera = _trial_camera(study, trials[0], layout)
     distances = whole_lengths(
         _mapped_keypoint_positions(camera, trials, layout, depth),
@@ -136,7 +136,7 @@ def _check_by_whole_lengths(
         "depth_estimate_m": None,
         "depth_estimate_std_m": None,
         "trials": len({int(trial) for trial in distances.trial}),
-        "trials_without_tail_end": without if 2 * len(without) < len(trials) else [],
+        "trials_without_tail_end": unseen if 2 * len(unseen) < len(trials) else [],
     }
 
 

@@ -94,8 +94,9 @@ def mismatch(study: Path, results: Path) -> None:
             cause["law"] = laws[cause["name"]]
         if cause["name"] == CLOCK_CAUSE and (part := trials_with_wrong_clock(series)):
             cause["regime"] = f"trials {', '.join(part)}"
-    of_fitted = {one.name: factors[one.name] for one in series if one.name in factors}
-    write_json(ResultPaths(results).mismatch, with_clock_cause(content, of_fitted, len(series)))
+    fitted_factors = {s.name: factors[s.name] for s in series if s.name in factors}
+    content = with_clock_cause(content, fitted_factors, len(series))
+    write_json(ResultPaths(results).mismatch, content)
 
 
 def refuse_single_trial(study: Path, count: int) -> None:

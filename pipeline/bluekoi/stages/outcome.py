@@ -6,11 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..camera.length_warnings import length_warnings
 from ..files import read_json, read_json_if_present, write_json
 from ..study import Study, load_study
-from ..study.setup_warnings import inertia_warnings
-from ..trial_warnings import trial_warnings, unchecked_clock_notes
+from ..trial_warnings import warnings_after_run
 from .layout import ResultPaths, remove_files
 from .manifest import write_manifest
 from .trial_failure import failed_trial_lines
@@ -53,17 +51,7 @@ def run_warnings(
     geometry, mismatch = (
         read_json_if_present(results / f"{n}.json") for n in ("geometry", "mismatch")
     )
-    return [
-        *trial_warnings(study, statuses),
-        *unchecked_clock_notes(study),
-        *length_warnings(
-            geometry,
-            mismatch,
-            study.setup.water.refractive_index,
-            failed=[name for name, status in statuses.items() if not status.get("ok")],
-        ),
-        *inertia_warnings(study.setup.robot, mismatch),
-    ]
+    return warnings_after_run(study, statuses, geometry, mismatch)
 
 
 def available_trial_statuses(study: Study, results: Path) -> dict[str, dict[str, Any]]:

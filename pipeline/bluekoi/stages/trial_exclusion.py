@@ -41,7 +41,9 @@ def contradicted_trials(
     trials_without_tail_end = (campaign.geometry or {}).get("trials_without_tail_end", ())
     found = {
         **dict.fromkeys(lengths, "rigid lengths"),
-        **dict.fromkeys(deviating_edges.keys() & trials_without_tail_end, "edges of the pool"),
+        **dict.fromkeys(
+            [i for i in trials_without_tail_end if i in deviating_edges], "edges of the pool"
+        ),
         **dict.fromkeys(angles, "head angle"),
         **dict.fromkeys([*clocks, *exchanged], "tail-beat frequency"),
     }

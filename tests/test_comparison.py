@@ -14,7 +14,7 @@ import yaml
 from click.testing import CliRunner
 
 from bluekoi.cli import main
-from bluekoi.cli.outdated_results import warn_of_outdated_results
+from bluekoi.cli.results_warnings import warn_of_outdated_results
 from bluekoi.comparison import comparison_figure, list_run_differences, read_run
 from bluekoi.data import SteadyState
 from bluekoi.errors import InputError
@@ -181,6 +181,17 @@ def test_a_trial_that_was_added_or_removed_is_a_change(tmp_path):
     (results / "manifest.json").write_text(json.dumps(manifest))
     message = outdated_results_message(load_study(study), results)
     assert "trial T99 was removed; trial T09 was added" in message
+
+
+@pytest.mark.parametrize(("content", "key"), [({"settings": 3}, "settings"),
+                                              ({"trials": {"T1": "x"}}, "trials.T1"),
+                                              ({"inputs": [1]}, "inputs")])  # fmt: skip
+def test_a_damaged_manifest_is_named_with_its_entry(two_results, content, key):
+    path = two_results[1] / "manifest.json"
+    path.write_text(json.dumps(content))
+    done = CliRunner().invoke(main, ["compare", *map(str, two_results)])
+    assert done.exit_code != 0
+    assert f"{path}: {key}: found " in str(done.exception) + done.output
 
 
 def test_the_manifest_says_what_a_run_was_made_from(tmp_path, monkeypatch):

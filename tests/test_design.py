@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -251,6 +252,21 @@ def test_a_command_that_needs_results_says_to_run_the_study_first(tmp_path):
         more = ["--flap-hz", "4"] if name == "simulate" else []
         done = CliRunner().invoke(main, [name, str(study), "--results", str(empty), *more])
         assert "no coefficients.json" in str(done.exception) + done.output
+
+
+def test_a_trial_that_failed_is_named_by_commands_that_use_the_fit(
+    study: Path, results: Path, tmp_path: Path
+) -> None:
+    copy = tmp_path / "results"
+    shutil.copytree(results, copy)
+    name = load_study(study).trials[0].trial_id
+    path = copy / "status" / f"{name}.json"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(json.dumps({"ok": False, "message": "no frame could be read"}))
+    for command, more in (("simulate", ["--flap-hz", "4"]), ("design", ["--powers", "100"])):
+        words = [command, str(study), "--results", str(copy), *more]
+        said = CliRunner().invoke(main, words).stderr
+        assert f"Warning: {name}: no frame could be read" in said
 
 
 def test_bluekoi_simulate_runs_manoeuvres_and_schedules(

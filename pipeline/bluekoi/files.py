@@ -16,6 +16,10 @@ from typing import Any
 
 from .errors import input_error
 
+MANIFEST_SECTIONS = ("settings", "versions", "study", "trials", "inputs")
+"""Sections of a manifest.json that are json objects, where they are there."""
+MANIFEST_TABLES = ("trials", "inputs")
+"""Those whose entries are objects as well."""
 MAX_TEXT_BYTES = 500_000_000
 """Largest text file that is read: a track of some days."""
 
@@ -97,6 +101,22 @@ def read_json(path: str | Path) -> dict[str, Any]:
 def read_json_if_present(path: str | Path) -> dict[str, Any] | None:
     """As `read_json`; None where there is no such file."""
     return read_json(path) if Path(path).is_file() else None
+
+
+def read_manifest(path: Path) -> dict[str, Any]:
+    """Content of a manifest.json, whose sections are json objects.
+
+    Raises: InputError that names the file, and the section that is none.
+    """
+    content = read_json(path)
+    sections = {name: content.get(name) or {} for name in MANIFEST_SECTIONS}
+    rows = {f"{name}.{key}": row or {} for name in MANIFEST_TABLES
+            if isinstance(sections[name], dict) for key, row in sections[name].items()}  # fmt: skip
+    for key, value in (sections | rows).items():
+        if not isinstance(value, dict):
+            raise input_error(path, key, repr(value), "a json object",
+                              "Run the study again: that writes the file anew.")  # fmt: skip
+    return content
 
 
 def to_json_types(value: Any) -> Any:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .outdated_results import warn_of_outdated_results
 from .parameter_types import NonEmptyPath, StudyName
 from .report import results_folder
+from .results_warnings import warn_of_outdated_results
 
 if TYPE_CHECKING:
     from ..comparison import Difference, RunResults

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import click
 
 from .number_types import FiniteNumber, NumberList
-from .outdated_results import warn_of_outdated_results
 from .outputs import refuse_outputs_over_study_files
 from .parameter_types import StudyName
 from .progress_notice import progress_notice
+from .results_warnings import warn_of_failed_trials, warn_of_outdated_results
 
 if TYPE_CHECKING:
     from ..design_space import RobotDesign
@@ -93,6 +93,7 @@ def design(
     )
     for sentence in fit.warnings:
         click.echo(f"Warning: {sentence}.", err=True)
+    warn_of_failed_trials(loaded, home)
     warn_of_outdated_results(loaded, home)
 
 

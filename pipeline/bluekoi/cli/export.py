@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .outdated_results import warn_of_outdated_results
 from .outputs import refuse_outputs_over_study_files
 from .parameter_types import StudyName, TrialName
 from .progress_notice import progress_notice
+from .results_warnings import warn_of_outdated_results
 
 if TYPE_CHECKING:
     from ..campaign import Campaign

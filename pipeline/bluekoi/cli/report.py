@@ -11,8 +11,8 @@ from typing import Any
 
 import click
 
-from .outdated_results import warn_of_outdated_results
 from .parameter_types import NonEmptyPath, StudyName
+from .results_warnings import warn_of_outdated_results
 
 OLD_REPORT_MESSAGE = (
     "This report is of an earlier run: the last run was not completed. `bluekoi run {}` updates it."

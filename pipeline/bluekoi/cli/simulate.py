@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import click
 
 from .number_types import FiniteNumber
-from .outdated_results import warn_of_outdated_results
 from .outputs import refuse_outputs_over_study_files
 from .parameter_types import StudyName
 from .progress_notice import progress_notice
+from .results_warnings import warn_of_failed_trials, warn_of_outdated_results
 
 if TYPE_CHECKING:
     from ..design_space import FittedRobot, Schedule
@@ -90,6 +90,7 @@ def simulate(
     ):
         click.echo(f"Warning: {sentence}.", err=True)
     if results is not None:
+        warn_of_failed_trials(loaded, results)
         warn_of_outdated_results(loaded, results)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..data import SteadyState
 from ..errors import input_error
-from ..files import flatten_mapping, read_json
+from ..files import flatten_mapping, read_json, read_manifest
 from ..steady import read_steady
 
 MIN_PROBABILITY = 0.02
@@ -67,8 +67,8 @@ def read_run(folder: Path) -> RunResults:
 
     Raises: InputError where there are none, or where a file cannot be read.
     """
-    names = ("coefficients", "mismatch", "manifest")
-    found = {n: read_json(p) for n in names if (p := folder / f"{n}.json").is_file()}
+    readers = {"coefficients": read_json, "mismatch": read_json, "manifest": read_manifest}
+    found = {n: read(p) for n, read in readers.items() if (p := folder / f"{n}.json").is_file()}
     if "coefficients" not in found and "mismatch" not in found:
         raise input_error(folder, "", "neither coefficients.json nor mismatch.json",
                           "a folder with the results of a run", "Run the study first.")  # fmt: skip

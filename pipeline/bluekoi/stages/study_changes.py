@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..files import flatten_mapping, read_json
+from ..files import flatten_mapping, read_manifest
 from ..study import Study
 from .freshness import trial_row
 from .manifest import input_file_hashes
@@ -38,7 +38,7 @@ def changes_since_run(study: Study, results: Path) -> list[str]:
     manifest = results / "manifest.json"
     if not manifest.is_file():
         return []
-    before = read_json(manifest)
+    before = read_manifest(manifest)
     trials = {trial.trial_id: trial_row(trial) for trial in study.trials}
     return [
         *_changed_settings(before.get("study") or {}, study.setup.model_dump(mode="json")),

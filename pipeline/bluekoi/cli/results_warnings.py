@@ -1,4 +1,4 @@
-"""Warning of commands that read the results of a study that has changed since."""
+"""Warnings of commands that read results: failed trials, a study that has changed since."""
 
 from __future__ import annotations
 
@@ -13,6 +13,16 @@ if TYPE_CHECKING:
 
 DEMO_STUDY = Path("studies/demo")
 """Where a run of `demo` lays out the files of its study (`demo_folder` in config/default.yaml)."""
+
+
+def warn_of_failed_trials(study: Study, results: Path) -> None:
+    """Name on the standard error the trials that failed, which no fit has, or were cut short."""
+    from ..errors import escape_control_characters  # noqa: PLC0415
+    from ..stages.outcome import available_trial_statuses  # noqa: PLC0415
+    from ..stages.trial_failure import failed_trial_lines  # noqa: PLC0415
+
+    for line in failed_trial_lines(available_trial_statuses(study, results)):
+        click.echo(escape_control_characters(f"Warning: {line}"), err=True)
 
 
 def warn_of_outdated_results(study: Path | Study, results: Path) -> None:

@@ -889,6 +889,17 @@ def test_a_noise_that_was_estimated_without_a_gain_is_not_estimated_again(monkey
     assert len(estimates) == 1
 
 
+def test_a_fit_is_repeated_from_another_noise_once() -> None:
+    """A second time, it would end where the first one did."""
+    problem = driven_mass_problem(driven_mass_trials(0.3, 0.0))
+    model = fit_cause_set(problem, ("quadratic_drag",), problem.noise, {})
+    visited, other = FittedCauseSets(problem), replace(problem.noise)
+    assert visited.first_under_noise(model, problem.noise)
+    assert not visited.first_under_noise(model, problem.noise)
+    assert visited.first_under_noise(model, other)
+    assert visited.first_under_noise(replace(model), problem.noise)
+
+
 def test_a_discrepancy_is_fitted_first_at_the_smallest_share(monkeypatch) -> None:
     """Then at the largest, which a force of a third of the cause's own needs."""
     problem, label = problem_with_a_discrepancy(0.1), "constant_force.F0"

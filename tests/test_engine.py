@@ -31,6 +31,7 @@ from bluekoi.engine import (
     own_noise,
     posterior_over_sets,
     proposals,
+    search,
     search_cause_sets,
     set_score,
     strength_estimates,
@@ -889,15 +890,19 @@ def test_a_noise_that_was_estimated_without_a_gain_is_not_estimated_again(monkey
     assert len(estimates) == 1
 
 
-def test_a_fit_is_repeated_from_another_noise_once() -> None:
-    """A second time, it would end where the first one did."""
+def test_a_fit_is_repeated_from_another_noise_once(monkeypatch) -> None:
+    """A second time, the fit would start from the same values and end at the same ones."""
     problem = driven_mass_problem(driven_mass_trials(0.3, 0.0))
-    model = fit_cause_set(problem, ("quadratic_drag",), problem.noise, {})
-    visited, other = FittedCauseSets(problem), replace(problem.noise)
-    assert visited.first_under_noise(model, problem.noise)
-    assert not visited.first_under_noise(model, problem.noise)
-    assert visited.first_under_noise(model, other)
-    assert visited.first_under_noise(replace(model), problem.noise)
+    visited, repeated = FittedCauseSets(problem), []
+    for causes in ((), ("quadratic_drag",)):
+        visited.add(FitRequest(causes, fit_cause_set(problem, (), problem.noise, {})))
+    monkeypatch.setattr(search, "_refit_from_noise", lambda *given: repeated.append(given[1:]))
+    for _ in range(2):
+        search._refit_with_shared_noise(visited)
+    assert len(repeated) == 1
+    visited.keep(replace(visited.best, model=replace(visited.best.model)))
+    search._refit_with_shared_noise(visited)
+    assert len(repeated) == 2
 
 
 def test_a_discrepancy_is_fitted_first_at_the_smallest_share(monkeypatch) -> None:

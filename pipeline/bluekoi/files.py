@@ -17,9 +17,9 @@ from typing import Any
 from .errors import input_error
 
 MANIFEST_SECTIONS = ("settings", "versions", "study", "trials", "inputs")
-"""Sections of a manifest.json that are json objects, where they are there."""
+"""Sections of a manifest.json; each is a json object, and each may be missing."""
 MANIFEST_TABLES = ("trials", "inputs")
-"""Those whose entries are objects as well."""
+"""Sections whose entries are json objects too."""
 MAX_TEXT_BYTES = 500_000_000
 """Largest text file that is read: a track of some days."""
 
@@ -104,9 +104,9 @@ def read_json_if_present(path: str | Path) -> dict[str, Any] | None:
 
 
 def read_manifest(path: Path) -> dict[str, Any]:
-    """Content of a manifest.json, whose sections are json objects.
+    """Content of a manifest.json. A missing section is valid.
 
-    Raises: InputError that names the file, and the section that is none.
+    Raises: InputError if a section, or an entry of a table, is not a json object.
     """
     content = read_json(path)
     sections = {name: content.get(name) or {} for name in MANIFEST_SECTIONS}
@@ -115,7 +115,7 @@ def read_manifest(path: Path) -> dict[str, Any]:
     for key, value in (sections | rows).items():
         if not isinstance(value, dict):
             raise input_error(path, key, repr(value), "a json object",
-                              "Run the study again: that writes the file anew.")  # fmt: skip
+                              "Run the study again: the run replaces this file.")  # fmt: skip
     return content
 
 

@@ -16,7 +16,7 @@ DEMO_STUDY = Path("studies/demo")
 
 
 def warn_of_failed_trials(study: Study, results: Path) -> None:
-    """Name on the standard error the trials that failed, which no fit has, or were cut short."""
+    """Name on the standard error the trials that failed or were cut short."""
     from ..errors import escape_control_characters  # noqa: PLC0415
     from ..stages.outcome import available_trial_statuses  # noqa: PLC0415
     from ..stages.trial_failure import failed_trial_lines  # noqa: PLC0415

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..fitting import Noise
 from ..integrate.batch import threaded_map
 from .expansion import LikelihoodExpansion, expand_likelihood
 from .problem import CauseSearchProblem
@@ -58,7 +57,7 @@ class FittedCauseSets:
     sets: dict[frozenset[str], ScoredCauseSet] = field(default_factory=dict)
     full: dict[frozenset[str], LikelihoodExpansion] = field(default_factory=dict)
     converged: set[frozenset[str]] = field(default_factory=set)
-    tried: list[tuple[FittedCauseSet, Noise]] = field(default_factory=list)
+    refits_from_noise: list[tuple[FittedCauseSet, FittedCauseSet]] = field(default_factory=list)
 
     @property
     def best(self) -> ScoredCauseSet:
@@ -72,12 +71,9 @@ class FittedCauseSets:
         if before is None or scored.expansion is not before.expansion:
             self.full.pop(scored.model.key, None)
 
-    def first_under_noise(self, model: FittedCauseSet, noise: Noise) -> bool:
-        """Whether this is the first time that this fit of a set is to be repeated from a noise."""
-        if any(model is fit and noise is one for fit, one in self.tried):
-            return False
-        self.tried.append((model, noise))
-        return True
+    def has_refit_from_noise(self, model: FittedCauseSet, source: FittedCauseSet) -> bool:
+        """Whether this fit of a set has been repeated from the noise of this fit of another set."""
+        return any(model is m and source is s for m, s in self.refits_from_noise)
 
     def add(self, wanted: FitRequest) -> ScoredCauseSet | None:
         """Fit a set under its own noise and keep it where it fits better than before.

@@ -187,7 +187,8 @@ def _refit_with_shared_noise(visited: FittedCauseSets) -> None:
         least = best.log_posterior - MAX_LOG_ODDS_TO_REFIT
         others = [one for key, one in visited.sets.items()
                   if key != source.model.key and len(key) <= len(best.causes)
-                  and visited.first_under_noise(one.model, source.model.noise)]  # fmt: skip
+                  and not visited.has_refit_from_noise(one.model, source.model)]  # fmt: skip
+        visited.refits_from_noise += [(one.model, source.model) for one in others]
         refit = partial(_refit_from_noise, visited, source.model, least)
         for one, other in zip(others, threaded_map(refit, others), strict=True):
             if other is not None and other.log_posterior > one.log_posterior:

@@ -68,7 +68,7 @@ def render_figure(campaign: Campaign) -> Figure:
         axes.set_title(
             f"{FORCE_NAMES[channel]}: explains {100 * share:.0f} % (held out)"
             if share
-            else f"{FORCE_NAMES[channel]}: no dependence found"
+            else FORCE_NAMES[channel]
         )
     handles, labels = figure.axes[0].get_legend_handles_labels()
     if handles:

@@ -194,6 +194,19 @@ def test_a_label_that_is_off_is_not_taken_for_an_error_of_scale() -> None:
     assert abs(value[0]) < 3.5 * std[0]
 
 
+@pytest.mark.parametrize("error", [{"p_x": 0.00005, "p_y": -0.00005}, {"k": 0.0002}])
+def test_exact_lengths_do_not_show_errors_that_a_careful_calibration_leaves(
+    error: dict[str, float],
+) -> None:
+    """Keypoints that were fitted to the stated lengths scatter by a few micrometres."""
+    right = simulated_lengths(np.random.default_rng(9))
+    scatter = np.random.default_rng(10).normal(0, 5e-6, len(right.excess_m))
+    exact = replace(right, excess_m=scatter, std_m=np.full(len(scatter), 5e-6))
+    found = length_measurement_of(lengths_with_error(exact, "lens_error", error))
+    value, std, _ = estimated_strengths(found, "lens_error")
+    assert np.all(np.abs(value) < 2.0 * std)
+
+
 def test_effects_whose_displacement_varies_over_the_picture_stretch_lengths() -> None:
     assert {e.name for e in effects_that_change_lengths(SYSTEM)} == set(CAMERA_ERRORS)
 

@@ -666,6 +666,26 @@ def test_a_head_angle_that_only_one_trial_has_wrong_is_a_warning(tmp_path):
     assert text.startswith("Trial T10: the head is turned by 30 degrees, head_angle_deg is 20")
 
 
+@pytest.mark.parametrize(
+    ("seen_deg", "question"),
+    [(15.0, "Is it the file of another trial?"), (34.0, "is the camera's")],
+)
+def test_only_an_angle_that_another_trial_states_may_be_that_trials_file(
+    tmp_path, seen_deg, question
+):
+    """A wrong lens turns the head by a few degrees more or less than it was, in some trials."""
+    study = small_study(tmp_path / "study")
+    edit_trials_csv(study, T11={"head_angle_deg": "15"})
+    loaded = load_study(study)
+    stated = {t.trial_id: t.head_angle_deg for t in loaded.trials}
+    seen = {"T09": stated["T09"], "T10": seen_deg, "T11": 15.0}
+    statuses = {name: {"ok": True, "body": {"head_angle_deg": angle, "length_ratios": {}}}
+                for name, angle in seen.items()}  # fmt: skip
+    (text,) = comparison_warnings(loaded, statuses)
+    assert text.startswith(f"Trial T10: the head is turned by {seen_deg:g} degrees")
+    assert question in text
+
+
 def test_a_part_of_a_recording_is_no_further_trial(tmp_path):
     study = small_study(tmp_path / "study")
     header, *rows = (study / "keypoints/T10.csv").read_text().splitlines(keepends=True)

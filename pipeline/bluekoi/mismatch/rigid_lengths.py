@@ -4,20 +4,22 @@ A rigid length comes out too long or too short where an error stretches the pict
 excess of the measured lengths (means over windows), P(theta) what the errors of the camera predict,
 and Z b what else changes lengths,
 
-    y = P(theta) + Z b + e,   b ~ N(0, S),   e ~ N(0, nu^2 D)
+    y = P(theta) + Z b + e,   b ~ N(0, S),   e ~ N(0, N),   N = nu^2 D + s^2 L^2
 
 b holds each stated length (to 0.3 %), each keypoint's place along the body, each trial's scale, a
 smooth relative error of the detector over pool and session, and the errors within which a camera
-counts as calibrated. How far keypoints and trials are off, and how much wider the noise is than
-independent frames would have it (nu), is estimated by restricted maximum likelihood (Patterson and
-Thompson, Biometrika 58 (1971), 545). The misfit y' C^-1 y, C = nu^2 D + Z S Z', then compares all
-errors of the camera and their mixtures in one measurement, however the keypoints are labelled.
+counts as calibrated. s L is the error of the detector that differs from one place and direction in
+the picture to the next: keypoints that were fitted to stated lengths have a scatter far below it.
+How far keypoints and trials are off, and how much wider the scatter is than independent frames
+would have it (nu), is estimated by restricted maximum likelihood (Patterson and Thompson,
+Biometrika 58 (1971), 545). The misfit y' C^-1 y, C = N + Z S Z', then compares all errors of the
+camera and their mixtures in one measurement, however the keypoints are labelled.
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -36,10 +38,14 @@ from ..integrate import Effect, System, elementwise
 from ..model.similarity import unit_dimensions
 from .robot_problem import LABEL_STD_M, UNKNOWN_DEPTH_SCALE_ERROR_STD
 
-CALIBRATION_ERROR_STD = {"lens_error": 0.0005, "uncorrected_refraction": 0.001}
-"""Strengths of errors that a careful calibration leaves: those that change lengths by
-`SYSTEMATIC_LENGTH_ERROR_SHARE`, 0.05 %, about a metre from the middle (1/m2), and a depth wrong by
-2 mm seen from 1.5 m; for the published robot, others are filmed from as many body lengths."""
+CALIBRATION_ERROR_STD = {
+    "lens_error": {"radial_distortion": 0.0005, "tangential_x": 0.00025, "tangential_y": 0.00025},
+    "uncorrected_refraction": {"inward_shift": 0.001},
+}
+"""Strengths of errors that a careful calibration leaves: radial (1/m2) and tangential distortion
+(1/m) that change lengths by `SYSTEMATIC_LENGTH_ERROR_SHARE`, 0.05 %, a metre from the middle, and a
+depth wrong by 2 mm seen from 1.5 m; for the published robot, others are filmed from as many body
+lengths."""
 PRIOR_STD_OVER_PLAUSIBLE_MAGNITUDE = 3.0
 """While variances are estimated, strengths have normal priors of this many plausible magnitudes:
 80 % of the Cauchy prior of a strength lies within tan(0.4 pi) = 3.1 of them."""
@@ -183,13 +189,15 @@ def _observe_arguments(effect: Effect) -> tuple[str, ...]:
 @dataclass(frozen=True)
 class _NuisancePatterns:
     """Patterns Z (n, z) of what else changes lengths, with variances (z,) where known: those of
-    labels and of trials are estimated (`labels`, `trials`: which columns).
+    labels and of trials are estimated (`labels`, `trials`: which columns). local_std: error (n,) of
+    the detector that differs from window to window, m.
     """
 
     columns: Float
     variance: Float
     labels: np.ndarray
     trials: np.ndarray
+    local_std: Float
 
 
 def _nuisance_patterns(
@@ -212,52 +220,66 @@ def _nuisance_patterns(
     trend = 2.0 * camera.constants["session_place"] - 1.0
     groups += [("smooth", known * term, systematic)
                for term in (1.0, x, y, x * x, x * y, y * y, trend)]  # fmt: skip
-    for name, published in CALIBRATION_ERROR_STD.items():
-        own = next(e for e in camera.effects if e.name == name)
-        power = unit_dimensions(own.parameters[0].unit)[1]
-        size = published * float(camera.constants["length_unit"]) ** power
-        known_depth = depth_given or name != "uncorrected_refraction"
-        std = size if known_depth else UNKNOWN_DEPTH_SCALE_ERROR_STD
-        unit = (1.0, *np.zeros(own.strengths - 1), *_tried_shape_values(own)[0])
+    for own, k, std in _calibration_errors(camera, depth_given=depth_given):
+        unit = (*np.eye(own.strengths)[k], *_tried_shape_values(own)[0])
         groups.append(("calibrated", camera.excess(own, unit), std))
     kind = np.array([g[0] for g in groups])
     columns, stds = (np.array([g[k] for g in groups]) for k in (1, 2))
-    return _NuisancePatterns(columns.T, stds**2, kind == "label", kind == "trial")
+    return _NuisancePatterns(
+        columns.T, stds**2, kind == "label", kind == "trial", SYSTEMATIC_LENGTH_ERROR_SHARE * known
+    )
+
+
+def _calibration_errors(
+    camera: _LengthExcess, *, depth_given: bool
+) -> Iterator[tuple[Effect, int, float]]:
+    """Effect, place of one of its strengths, and standard deviation of that strength after a
+    careful calibration.
+    """
+    unit_m = float(camera.constants["length_unit"])
+    for own in camera.effects:
+        for k, strength in enumerate(own.parameters[: own.strengths]):
+            if (std := CALIBRATION_ERROR_STD.get(own.name, {}).get(strength.name)) is None:
+                continue
+            if own.name == "uncorrected_refraction" and not depth_given:
+                std = UNKNOWN_DEPTH_SCALE_ERROR_STD
+            yield own, k, std * unit_m ** unit_dimensions(strength.unit)[1]
 
 
 def _whitening_rows(basis: Float, others: _NuisancePatterns, windows: RigidDistances) -> Float:
     """Rows (m, n) that turn excesses into independent numbers of unit variance, in the space of the
     patterns (n, k), each as large as is plausible.
     """
-    root = 1.0 / windows.std_m
-    stack = np.column_stack([basis, windows.excess_m]) * root[:, None]
-    Z = others.columns * root[:, None]
-    inner, cross, outer = Z.T @ Z, Z.T @ stack, stack.T @ stack
+    stack = np.column_stack([basis, windows.excess_m])
 
-    def variances(label: float, trial: float) -> Float:
+    def covariance_parts(values: Float) -> tuple[Float, Float, Float, Float]:
+        """Precision 1 / n^2 of the noise (n,) and prior precision of b (z,), then Z' N^-1 Z + S^-1
+        and Z' N^-1 [P, y].
+        """
+        label, trial, nu = values
+        precision = 1.0 / (nu**2 * windows.std_m**2 + others.local_std**2)
         known = np.where(others.trials, trial**2, others.variance)
-        return np.where(others.labels, label**2, known)
+        prior = 1.0 / np.where(others.labels, label**2, known)
+        weighted = (others.columns * precision[:, None]).T
+        return precision, prior, weighted @ others.columns + np.diag(prior), weighted @ stack
 
     def misfit(logs: Float) -> float:
-        label, trial, nu = np.exp(logs)
-        prior = nu**2 / variances(label, trial)
-        A = inner + np.diag(prior)
-        left = (outer - cross.T @ np.linalg.solve(A, cross)) / nu**2
+        precision, prior, A, cross = covariance_parts(np.exp(logs))
+        left = (stack.T * precision) @ stack - cross.T @ np.linalg.solve(A, cross)
         H, g = left[:-1, :-1] + np.eye(len(left) - 1), left[:-1, -1]
         squares = left[-1, -1] - g @ np.linalg.solve(H, g)
         determinants = (np.linalg.slogdet(A)[1] - np.log(prior).sum() + np.linalg.slogdet(H)[1]
-                        + 2.0 * len(root) * np.log(nu))  # fmt: skip
+                        - np.log(precision).sum())  # fmt: skip
         return 0.5 * float(squares + determinants)
 
     start = np.log([LABEL_STD_M, STATED_LENGTH_STD_SHARE, 1.0])
     simplex = start + np.vstack([np.zeros(3), np.eye(3)])
-    precision = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.05}
-    found = minimize(misfit, start, method="Nelder-Mead", options=precision)
-    label, trial, nu = np.exp(found.x)
-    A = inner + np.diag(nu**2 / variances(label, trial))
-    precise = (basis * root[:, None] - Z @ np.linalg.solve(A, cross[:, :-1])) / nu**2  # C^-1 P
-    H = basis.T @ (precise * root[:, None])
+    tolerance = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.05}
+    found = minimize(misfit, start, method="Nelder-Mead", options=tolerance)
+    precision, _, A, cross = covariance_parts(np.exp(found.x))
+    precise = (basis - others.columns @ np.linalg.solve(A, cross[:, :-1])) * precision[:, None]
+    H = basis.T @ precise  # P' C^-1 P
     size, vectors = np.linalg.eigh(0.5 * (H + H.T))
     keep = size > MIN_INFORMATION_SHARE * size[-1]
-    out: Float = (precise @ vectors[:, keep] / np.sqrt(size[keep])).T * root
+    out: Float = (precise @ vectors[:, keep] / np.sqrt(size[keep])).T
     return out

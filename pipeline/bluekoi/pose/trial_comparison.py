@@ -190,10 +190,16 @@ def _head_angle_warnings(
         stated = f"head_angle_deg is {trials[name].head_angle_deg:g}"
         if other := found.exchanged.get(name):
             yield f"{text}, as trial {other} states, and {stated}. Are their files exchanged?"
-        else:
+        elif any(_head_angle_agrees(found.angles_deg[name], trial) for trial in trials.values()):
             yield (
                 f"{text}, {stated}, and the other trials agree with theirs better. Is it the file "
                 "of another trial?"
+            )
+        else:
+            yield (
+                f"{text}, {stated}, and the other trials agree with theirs better. No trial states "
+                "that angle. Was the head set differently, or is the camera's lens or depth wrong, "
+                "which changes angles most near the edges of the picture?"
             )
 
 

@@ -86,7 +86,7 @@ def test_batches_agree_with_one_at_a_time_and_with_other_robots() -> None:
 
 def test_what_does_not_settle_is_not_given_a_radius() -> None:
     values = two_plate_system().values(TABLE_1[75], {"battery_sag": {"loss_rate": 0.05}})
-    slots = two_plate_system().slots("battery_sag")
+    slots = two_plate_system().effect_parameter_slots("battery_sag")
     assert values[slots[0]] == 0.05
     found = steady_states([OperatingCondition(4.02, 0.7, 0.12, PAPER_SETUP)], values[None])
     assert np.isnan(found.radius_m[0, 0])

@@ -155,7 +155,7 @@ def _read_trial(
         raise input_error(settings, "trials", row, "{file: NAME.csv}")
     _check_keys(row, TRIAL_KEYS, settings, "trials")
     path = folder / str(row["file"])
-    table = _read_columns(path, columns)
+    table = _read_columns_in_model_units(path, columns)
     start, end = (_checked_number(row.get(k, d), settings, k)
                   for k, d in (("start_s", -np.inf), ("end_s", np.inf)))  # fmt: skip
     if start > end:
@@ -193,7 +193,9 @@ def _time_range_text(times: Float) -> str:
     return f"{known.min():g} to {known.max():g}" if len(known) else "no times"
 
 
-def _read_columns(path: Path, columns: Mapping[str, tuple[str, float]]) -> dict[str, Float]:
+def _read_columns_in_model_units(
+    path: Path, columns: Mapping[str, tuple[str, float]]
+) -> dict[str, Float]:
     """Columns of a csv in the model's units."""
     table = _read_csv_cells(path)
     _check_columns_present(

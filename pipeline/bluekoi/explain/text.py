@@ -37,7 +37,7 @@ def summary(found: CauseSearchResult) -> str:
     if others:
         parts.append("Not excluded: " + ", ".join(f"{r['name']} {r['weight']:.2f}" for r in others))
     if found.compared:
-        parts.append(markdown_table(*compared_cause_sets_table(found)))
+        parts.append(markdown_table(*requested_cause_sets_table(found)))
     parts += [f"Warning: {w}" for w in found.warnings]
     return "\n\n".join(parts)
 
@@ -82,7 +82,7 @@ def probability_rows(found: CauseSearchResult) -> list[tuple[str, str]]:
     return [*((n, f"{p:.3f}") for n, p in rows), ("a force that no candidate describes", last)]
 
 
-def compared_cause_sets_table(found: CauseSearchResult) -> tuple[list[str], list[list[str]]]:
+def requested_cause_sets_table(found: CauseSearchResult) -> tuple[list[str], list[list[str]]]:
     """Head and rows of the sets that were asked for."""
     names = list(found.held_out.baseline)
     units = [f"{n}, {unit_of_error(found.model, n)}" for n in names]

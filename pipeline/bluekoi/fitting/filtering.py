@@ -227,7 +227,7 @@ def _stochastic_effect_slots(system: System) -> tuple[tuple[int, tuple[int, ...]
     """Of each random effect: places of `present` and of its memories, its states from and to."""
     out, at = [], 0
     for effect in (e for e in system.effects if e.kind == "disturbance"):
-        present, *memories = system.slots(effect.name)
+        present, *memories = system.effect_parameter_slots(effect.name)
         out.append((present, tuple(memories), at, at + len(effect.states)))
         at += len(effect.states)
     return tuple(out)

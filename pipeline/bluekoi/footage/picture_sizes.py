@@ -43,11 +43,13 @@ def unused_picture_remarks(
     if other:
         names = _listed([f"{path.name} ({_size_text(size)})" for path, size in other])
         found.append(
-            f"{_share_text(len(other), len(paths))} not used, expected {_size_text(usual)} as in "
-            f"most of them: {names}"
+            f"{_count_of_pictures_text(len(other), len(paths))} not used, expected "
+            f"{_size_text(usual)} as in most of them: {names}"
         )
     if broken := [path.name for path, size in zip(paths, sizes, strict=True) if size is None]:
-        found.append(f"{_share_text(len(broken), len(paths))} not readable: {_listed(broken)}")
+        found.append(
+            f"{_count_of_pictures_text(len(broken), len(paths))} not readable: {_listed(broken)}"
+        )
     return tuple(size == usual for size in sizes), tuple(found)
 
 
@@ -55,7 +57,7 @@ def _size_text(size: Size) -> str:
     return f"{size[0]} x {size[1]} px"
 
 
-def _share_text(count: int, of: int) -> str:
+def _count_of_pictures_text(count: int, of: int) -> str:
     return f"{count} of {of} pictures {'is' if count == 1 else 'are'}"
 
 

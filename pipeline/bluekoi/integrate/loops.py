@@ -10,8 +10,8 @@ from .rows import LANES, RowNumbers
 from .system import Effect, Function, Stage
 
 
-class Loop:
-    """One loop over lanes: each row is loaded once, values pass by name, rows are set at the end.
+class LoopWriter:
+    """Source of a loop over lanes: each row is loaded once, values pass by name, rows are set last.
 
     passed_on: names that stand for other names or for numbers.
     """
@@ -42,7 +42,7 @@ class Loop:
         """Set a row, or add to it, after everything has been loaded."""
         self._stores.append(f"m[{row * LANES} + j] {assign} {value}")
 
-    def results(self, function: Function, count: int, effect: str = "") -> list[str]:
+    def output_expressions(self, function: Function, count: int, effect: str = "") -> list[str]:
         """Expressions of a function's outputs; an effect's own names come before others."""
         given = [self.value(n, effect, function) for n in argument_names(function)]
         return inlined_expressions(function, given, self._lines, count)
@@ -75,10 +75,12 @@ class Loop:
     def stage(self, stage: Stage, results: Sequence[str], effects: Sequence[Effect]) -> None:
         """A stage's outputs under the names `results`, what effects add included."""
         count = len(stage.outputs)
-        values = self.results(stage.function, count) if stage.function else ["0.0"] * count
+        values = (
+            self.output_expressions(stage.function, count) if stage.function else ["0.0"] * count
+        )
         for effect in effects:
             if stage.name in effect.hooks:
-                added = self.results(effect.hooks[stage.name], count, effect.name)
+                added = self.output_expressions(effect.hooks[stage.name], count, effect.name)
                 values = [_sum_expression(v, a) for v, a in zip(values, added, strict=True)]
         for name, value in zip(results, values, strict=True):
             self.assign(name, value)

@@ -181,7 +181,7 @@ class System:
         """Place of every parameter by name."""
         return {p.name: i for i, p in enumerate(self.parameters)}
 
-    def slots(self, effect: str) -> tuple[int, ...]:
+    def effect_parameter_slots(self, effect: str) -> tuple[int, ...]:
         """Places of an effect's parameters in `parameters`."""
         own = self.effect(effect).parameters
         return tuple(self.slot[f"{effect}.{p.name}"] for p in own)
@@ -189,7 +189,7 @@ class System:
     @cached_property
     def strength_slots(self) -> tuple[np.ndarray, np.ndarray]:
         """Places of all effects' strengths one after the other, and where each effect's begin."""
-        own = [self.slots(e.name)[: e.strengths] for e in self.effects]
+        own = [self.effect_parameter_slots(e.name)[: e.strengths] for e in self.effects]
         first = np.cumsum([0, *(len(slots) for slots in own[:-1])])
         return np.array([s for slots in own for s in slots], dtype=int), first[: len(own)]
 

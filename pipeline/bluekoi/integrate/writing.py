@@ -20,7 +20,7 @@ from .dependence import (
     state_dependent_stages,
     trivial_outputs,
 )
-from .loops import Loop
+from .loops import LoopWriter
 from .rows import LANES, RowNumbers
 from .system import Effect, Function, Stage, System
 
@@ -47,7 +47,7 @@ class _KernelSpecification:
         """Condition that one of these effects is on."""
         return " or ".join(f"on[{self.system.effects.index(e)}]" for e in effects)
 
-    def text(self, loop: Loop, depth: int = 1) -> list[str]:
+    def text(self, loop: LoopWriter, depth: int = 1) -> list[str]:
         """Lines of a finished loop."""
         self.called.update(loop.called)
         return loop.text("    " * depth)
@@ -138,14 +138,14 @@ def _fast_kernel_source(plan: _KernelSpecification) -> list[str]:
 
 def _fused_runge_kutta_stage(plan: _KernelSpecification, effects: Sequence[Effect]) -> list[str]:
     """One Runge-Kutta stage in a single loop: rates, and what they add to state and sum."""
-    loop, rows = Loop(plan.rows, trivial_outputs(plan.system)), plan.rows
+    loop, rows = LoopWriter(plan.rows, trivial_outputs(plan.system)), plan.rows
     for stage in state_dependent_stages(plan.system):
         last = stage.name == "rates"
         loop.stage(stage, [f"d_{o}" if last else o for o in stage.outputs], effects)
     states = list(plan.system.states)
     for effect in effects:
         if effect.rates:
-            rates = loop.results(effect.rates, len(effect.states), effect.name)
+            rates = loop.output_expressions(effect.rates, len(effect.states), effect.name)
             for state, rate in zip(effect.states, rates, strict=True):
                 loop.assign(f"d_{state}", rate)
             states += effect.states
@@ -157,7 +157,7 @@ def _fused_runge_kutta_stage(plan: _KernelSpecification, effects: Sequence[Effec
     return plan.text(loop, 3)
 
 
-def _add_rate_to_sum(loop: Loop, rows: RowNumbers, state: str, rate: str) -> None:
+def _add_rate_to_sum(loop: LoopWriter, rows: RowNumbers, state: str, rate: str) -> None:
     """Add a rate to a state's sum, and set the state for the next part of the step."""
     start = loop.load(rows.of(f"start_{state}"))
     loop.store(rows.of(state), f"{start} + {loop.value('reach')} * {rate}")
@@ -186,7 +186,7 @@ def _general_kernel_source(plan: _KernelSpecification) -> list[str]:
 
 
 def _runge_kutta_shift_source(plan: _KernelSpecification, states: Sequence[str]) -> list[str]:
-    loop = Loop(plan.rows)
+    loop = LoopWriter(plan.rows)
     clock = f" * {loop.value('clock_rate')}" if "clock_rate" in plan.rows.named else ""
     for name in ("weight", "reach"):
         loop.assign(name, name + clock)
@@ -252,7 +252,7 @@ def _base_model_loop(plan: _KernelSpecification, stage: Stage) -> list[str]:
     targets = plan.rows.outputs(stage)
     if stage.function:
         return _assignment_loop(plan, stage.function, targets, "")
-    loop = Loop(plan.rows)
+    loop = LoopWriter(plan.rows)
     for target in targets:
         loop.store(target, "0.0")
     return plan.text(loop)
@@ -267,8 +267,10 @@ def _assignment_loop(
     assign: str = "=",
 ) -> list[str]:
     """Loop that sets rows to a function's outputs, or adds these to them."""
-    loop = Loop(plan.rows)
-    for target, value in zip(targets, loop.results(function, len(targets), effect), strict=True):
+    loop = LoopWriter(plan.rows)
+    for target, value in zip(
+        targets, loop.output_expressions(function, len(targets), effect), strict=True
+    ):
         if assign == "=" or value not in ("0.0", "0"):
             loop.store(target, value, assign)
     return plan.text(loop)

@@ -1,21 +1,22 @@
 """A wrong scale from pixels to metres.
 
-The length of the pool is stated too long by a share e (1 + a), its width by e (1 - a). A point at
-the position `true` is measured at the position `seen`. With X and Y the position relative to the
-middle of the pool, and sums over both sides,
+The length of the pool is stated too long by the share s_1 = e (1 + a), its width by the share
+s_2 = e (1 - a). A point at the position `true` is measured at the position `seen`. Each of the two
+errors displaces it; with X and Y the position relative to the middle of the pool,
 
-    seen = true + sum of s ((g_x X, g_y Y) + (X, Y)(b . (X, Y))),  s = e (1 + a), e (1 - a)
+    seen = true + sum over i = 1, 2 of  s_i ((g_ix X, g_iy Y) + (X, Y)(b_i . (X, Y)))
     e = k (1 + d (2 o - 1))
 
 - k: scale error, the mean of the errors of length and width and over the session;
-- a: half the difference of the two errors, over k. With a = 1 or a = -1, only the length or only
-  the width is wrong;
+- a: half the difference of the two errors, over their mean e. With a = 1 or a = -1, only the length
+  or only the width is wrong;
 - d: trend over the session, relative to k. The scale changes if the camera or the water sinks from
   trial to trial. o is the place of the trial in the session, from 0 (first) to 1 (last);
-- g, b: numbers of the view, one set for each side. Where a homography maps the corners of the pool,
-  an error of the length stretches x alone: g = (1, 0), b = 0. Where the lens is known, proportions
-  are seen right: an error of one side changes the scale of both, and tilts the camera that is
-  fitted to the corners, if it does not stand over the middle (camera/error_displacement.py).
+- g_i (no unit), b_i (1/m): numbers of the view. Where a homography maps the corners of the pool, an
+  error of the length stretches x alone, one of the width y alone: g_1 = (1, 0), g_2 = (0, 1),
+  b_i = 0. Where the lens is known, proportions are seen right: an error of one side changes the
+  scale of both, and tilts the camera that is fitted to the corners, if it does not stand over the
+  middle (camera/error_displacement.py).
 
 Some detectors find the nose and place the other keypoints at stated lengths behind it. Then the
 formula applies to the position of the nose, and the other keypoints keep their distances from it.
@@ -39,7 +40,7 @@ EFFECT_PARAMETERS = (
     Parameter("length_error", "1", 0.01, -0.3, 0.3, "share by which lengths are observed too long",
               symbol="k"),
     Parameter("axis_difference", "1", 0.0, -1.0, 1.0,
-              "half the difference of the errors along x and y, over k",
+              "half the difference of the errors of length and width, over their mean",
               spread=0.5, tries=(1.0, -1.0), symbol="a"),
     Parameter("session_trend", "1", 0.0, -1.0, 1.0,
               "change of the error over half a session, relative to its mean",

@@ -70,7 +70,7 @@ def geometry(study: Path, results: Path) -> None:
     try:
         found = check(loaded, [loaded.trial(name) for name in measured or good], layout)
     except InputError as error:
-        found = _unchecked_geometry_json(str(error))
+        found = _impossible_geometry_check_json(str(error))
     setup = loaded.setup
     usual = {"depth_m": setup.robot.keypoint_depth_m, "depth_given": setup.robot.depth_given}
     write_json(layout.geometry, usual | found)
@@ -79,7 +79,7 @@ def geometry(study: Path, results: Path) -> None:
 def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: ResultPaths) -> dict[str, Any]:
     setup, depth = study.setup, study.setup.robot.keypoint_depth_m
     if not trials:
-        return _unchecked_geometry_json("no trial with keypoints")
+        return _impossible_geometry_check_json("no trial with keypoints")
     camera = _trial_camera(study, trials[0], layout)
     lengths = [trial.head_length_m for trial in trials]
     placed = _mapped_keypoint_positions(camera, trials, layout, depth)
@@ -111,7 +111,7 @@ def _check_by_whole_lengths(
     if not any(seen):
         kept = None not in recorded
         why = TAIL_END_NOT_SEEN if kept else WHOLE_LENGTH_NOT_MEASURED
-        found = _unchecked_geometry_json(f"{LENGTHS_NOT_MEASURED}{why}")
+        found = _impossible_geometry_check_json(f"{LENGTHS_NOT_MEASURED}{why}")
         return {**found, "tail_end_seen": False} if kept else found
     unseen = [t.trial_id for t, pairs in zip(trials, recorded, strict=True) if pairs == []]
     camera = _trial_camera(study, trials[0], layout)
@@ -179,7 +179,7 @@ def _hypothesis_json(fit: HypothesisFit) -> dict[str, Any]:
     return about | {name: getattr(fit, name) for name in names}
 
 
-def _unchecked_geometry_json(reason: str) -> dict[str, Any]:
+def _impossible_geometry_check_json(reason: str) -> dict[str, Any]:
     return {
         "scale": None,
         "scale_std": None,

@@ -19,11 +19,12 @@ HEAD_ANGLE_TOLERANCE_RAD = 0.07
 MIN_STD_PX = 0.005
 DERIVATIVE_STEP_BL = 0.03
 MAX_JUMP_BL, MAX_JUMP_RAD = 0.06, 0.5
-TAIL_BASE_STD_SHARES = (0.0041, 0.0036)
+MIN_TAIL_TIP_STD_PER_TAIL_LENGTH = (0.0041, 0.0036)
 MIN_WIDTH_RATIO, MIN_CONTRAST_RATIO = 0.25, 0.14
 TIP_ERROR_ALONG_SHARES, TIP_ERROR_ACROSS_SHARES = (0.06, 0.4), (0.24, 0.7)
-"""Error of the tail tip along and across it: least, as a share of the tail's length; by paleness
-times that length; by the width beyond the usual one. Measured against rendered footage."""
+"""Standard deviation of the tail tip along the tail and across it: at least a share of the tail's
+length; per paleness times that length; per width beyond the usual one. Measured against rendered
+footage."""
 
 
 def keypoints_from_fits(
@@ -142,7 +143,7 @@ def _tail_covariances(fits: Sequence[OutlineFit], bases: Float, length_px: float
     scatter, pale, width = np.array([one.tail[3] for one in fits]).T
     slim = np.nanquantile(width, MIN_WIDTH_RATIO) if np.isfinite(width).any() else 0.0
     signs = np.maximum([length_px * (pale - MIN_CONTRAST_RATIO), width - slim], 0.0)
-    least = length_px * np.array(TAIL_BASE_STD_SHARES)
+    least = length_px * np.array(MIN_TAIL_TIP_STD_PER_TAIL_LENGTH)
     along = least[0] ** 2 + np.array(TIP_ERROR_ALONG_SHARES) ** 2 @ signs**2
     across = np.maximum(scatter, least[1]) ** 2 + np.array(TIP_ERROR_ACROSS_SHARES) ** 2 @ signs**2
     axis = np.stack([np.cos(heading), np.sin(heading)], axis=1)

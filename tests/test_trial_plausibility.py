@@ -69,6 +69,32 @@ def test_scale_errors_are_left_to_the_search(study_with_turn):
     assert finding_messages(study, trial, replace(positions, xy_m=1.2 * positions.xy_m)) == []
 
 
+@pytest.mark.parametrize("size", [0.2, 1.0, 5.0])
+@pytest.mark.parametrize(("body_lengths", "accepted"), [(0.05, True), (0.08, False)])
+def test_misplaced_keypoints_are_judged_by_the_size_of_the_robot(
+    study_with_turn, size, body_lengths, accepted
+):
+    study, trial, positions = study_with_turn
+    setup = study.setup
+    lengths = {name: size * getattr(setup.robot, name)
+               for name in ("body_length_m", "head_length_m", "head_span_m", "hinge_to_com_m",
+                            "tail_length_m", "keypoint_depth_m")}  # fmt: skip
+    sides = {name: size * getattr(setup.pool, name) for name in ("length_m", "width_m", "depth_m")}
+    robot = setup.robot.model_copy(update=lengths)
+    scaled = setup.model_copy(update={"robot": robot, "pool": setup.pool.model_copy(update=sides)})
+    xy = size * positions.xy_m
+    core, hinge = (positions.names.index(name) for name in ("core_center", "hinge"))
+    along = xy[:, core] - xy[:, hinge]
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    xy[:, core] += body_lengths * robot.body_length_m * along
+    found = finding_messages(
+        study.model_copy(update={"setup": scaled}),
+        trial.model_copy(update={"head_length_m": size * trial.head_length_m}),
+        replace(positions, xy_m=xy),
+    )
+    assert any("hinge to core_center" in text for text in found) != accepted
+
+
 def test_another_head_s_length_is_named(study_with_turn):
     study, trial, positions = study_with_turn
     (text,) = finding_messages(study, trial.model_copy(update={"head_length_m": 0.175}), positions)

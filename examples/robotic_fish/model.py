@@ -23,11 +23,12 @@ from .reading import read_folder
 COEFFICIENTS = (
     Parameter("C_T", "m2", 1e-3, 1e-6, 1.0, "thrust over 1/2 rho A (a f)^2, a in rad"),
     Parameter("C_D0", "1", 0.7, 1e-3, 20.0, "profile drag"),
-    Parameter("C_Da", "1", 1.8, -5.0, 60.0, "drag that comes with the angle of attack"),
-    Parameter("C_La", "1", 3.8, -2.0, 60.0, "lift over sin 2 alpha"),
+    Parameter("C_Da", "1", 1.8, 0.0, 60.0, "drag that comes with the angle of attack"),
+    Parameter("C_La", "1", 3.8, 0.0, 60.0, "lift over sin 2 alpha"),
     Parameter("C_Ma", "m", 0.05, -2.0, 4.0, "moment over sin 2 alpha"),
-    Parameter("C_Md", "kg m2", 0.005, -0.05, 1.0, "damping of the yaw rate squared"),
+    Parameter("C_Md", "kg m2", 0.005, 0.0, 1.0, "damping of the yaw rate squared"),
 )
+"""Drag, lift slope and damping of a body are not negative; the moment may have either sign."""
 GEOMETRY = {
     "rho": (1000.0, "kg/m3"),
     "length": (0.21, "m"),

@@ -29,8 +29,9 @@ class State:
     """A state of the model.
 
     Its initial value in a trial is the first value of the observation `observed`, or the initial
-    slope of the observation `rate_of`, or else `start`. start_std: standard deviation of this
-    initial value, in the unit of the state.
+    slope of the observation `rate_of`, estimated from the first eight samples at most, or else
+    `start`. start_std: standard deviation of this initial value, in the unit of the state; that of
+    the estimate is added.
     """
 
     name: str

@@ -9,8 +9,9 @@ from itertools import pairwise
 import numpy as np
 
 from ..data import Float
-from ..errors import InputError, InputIssue, did_you_mean, input_error
+from ..errors import InputError, InputIssue, did_you_mean
 from ..fitting import TrialSeries
+from .initial_state import initial_state_mean_and_cov
 from .model import Model
 from .recording_faults import duplicate_recordings, samples_after_gaps, spike_findings
 from .sampling import averaged_to_rate
@@ -189,48 +190,12 @@ def as_trial_series(
     inputs = np.column_stack([trial.inputs[i.name] for i in model.inputs] or [np.zeros((n, 0))])
     constants = [trial.constants.get(c.name, c.value) for c in model.constants]
     constants += [scales.get(name, 1.0) for name in scale_constant_names(model)]
-    mean, cov = initial_state_mean_and_cov(model, assembly, trial.times, seen)
-    for name, value in trial.start.items():
-        mean[system.states.index(name)] = value
+    mean, cov = initial_state_mean_and_cov(model, assembly, trial.times, seen, trial.start)
     noise = np.diag([o.std for o in model.observations]) ** 2
     assert len(mean) == len(system.all_states)
     return TrialSeries(trial.name, trial.group, trial.condition, trial.times, inputs,
                        np.array(constants, dtype=float), seen, np.tile(noise, (n, 1, 1)), mean, cov,
                        dict(trial.evidence))  # fmt: skip
-
-
-def initial_state_mean_and_cov(
-    model: Model, assembly: AssembledSystem, times: Float, seen: Float
-) -> tuple[Float, Float]:
-    """Mean (states,) and covariance (states, states) before the first frame."""
-    count = len(assembly.system.all_states)
-    mean, std = np.zeros(count), np.full(count, 1e-6)
-    names = [o.name for o in model.observations]
-    given = model.start(times, seen) if model.start else None
-    if given is not None and len(given) != len(model.states):
-        raise input_error(f"model '{model.name}'", "start", f"{len(given)} values",
-                          f"one for each of {len(model.states)} states")  # fmt: skip
-    for k, s in enumerate(model.states):
-        std[k] = s.start_std
-        if given is not None:
-            mean[k] = given[k]
-        elif s.observed:
-            mean[k] = initial_level_and_slope(times, seen[:, names.index(s.observed)])[0]
-        elif s.rate_of:
-            mean[k] = initial_level_and_slope(times, seen[:, names.index(s.rate_of)])[1]
-        else:
-            mean[k] = s.start
-    for cause in model.causes:
-        for state in cause.states:
-            std[assembly.system.all_states.index(state)] = cause.start_std
-    return mean, np.diag(std**2)
-
-
-def initial_level_and_slope(times: Float, values: Float) -> tuple[float, float]:
-    """Value and slope at the first time, by a line through the first known samples."""
-    known = np.flatnonzero(np.isfinite(values))[:8]
-    slope, level = np.polyfit(times[known] - times[0], values[known], 1)
-    return float(level), float(slope)
 
 
 def split_trials_at_gaps(model: Model, trials: Sequence[Trial]) -> list[Trial]:

@@ -15,15 +15,14 @@ from ..data import Float
 from ..errors import InputIssue
 from ..study import Study
 from .trial_comparison import (
+    MAX_KEYPOINT_ERROR_BODY_LENGTHS,
     MIN_HEAD_ANGLE_DEVIATION_DEG,
-    MIN_PART_ERROR_M,
+    MIN_PART_ERROR_BODY_LENGTHS,
     wrap_angle_deg,
 )
 
 MIN_AGREEING_TRIALS = 2
 """Trials without which a mistake is not called common to them."""
-MAX_OTHER_ERROR_M = 0.02
-"""Errors of lengths up to this one are those of keypoints, not of a key of study.yaml."""
 MAX_STATED_HEAD_ANGLE_RAD = radians(120)
 """Largest head angle that trials.csv may state, in radians."""
 CHECK_CORE_LABEL_REMEDY = (
@@ -81,7 +80,8 @@ def _with_merged_angle_findings(study: Study, found: Sequence[InputIssue]) -> li
 
 def _with_merged_length_findings(study: Study, found: Sequence[InputIssue]) -> list[InputIssue]:
     wrong = [one for one in found if isinstance(one, LengthFinding)]
-    keys = {one.trial_id: _length_that_explains_errors(_errors_m(one)) for one in wrong}
+    unit_m = study.setup.robot.body_length_m
+    keys = {one.trial_id: _length_that_explains_errors(_errors_m(one) / unit_m) for one in wrong}
     key, times = Counter(keys.values()).most_common(1)[0] if keys else ("", 0)
     trials = sum(trial.reads_keypoints for trial in study.trials)
     if not key or times < MIN_AGREEING_TRIALS or 2 * times <= trials:
@@ -103,16 +103,17 @@ def _errors_m(one: LengthFinding) -> Float:
     return np.array(one.seen_m) - np.array(one.stated_m)
 
 
-def _length_that_explains_errors(errors_m: Float) -> str:
-    """The length of study.yaml that alone explains the errors of head, hinge and tail: `hinge`
-    (hinge_to_com_m), `body` (body_length_m or head_length_m); "" where neither does.
+def _length_that_explains_errors(errors: Float) -> str:
+    """The length of study.yaml that alone explains the errors of head, hinge and tail, in body
+    lengths: `hinge` (hinge_to_com_m), `body` (body_length_m or head_length_m); "" where neither
+    does.
     """
-    head, hinge, tail = errors_m
-    if abs(head) > MAX_OTHER_ERROR_M:
+    head, hinge, tail = errors
+    if abs(head) > MAX_KEYPOINT_ERROR_BODY_LENGTHS:
         return ""
-    if abs(hinge) > MAX_OTHER_ERROR_M:
-        return "hinge" if abs(hinge + tail) <= MAX_OTHER_ERROR_M else ""
-    return "body" if abs(tail) > MAX_OTHER_ERROR_M else ""
+    if abs(hinge) > MAX_KEYPOINT_ERROR_BODY_LENGTHS:
+        return "hinge" if abs(hinge + tail) <= MAX_KEYPOINT_ERROR_BODY_LENGTHS else ""
+    return "body" if abs(tail) > MAX_KEYPOINT_ERROR_BODY_LENGTHS else ""
 
 
 def _hinge_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
@@ -137,10 +138,15 @@ def _body_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
         "body_length_m": robot.head_length_m + core,
     }
     apart = [abs(trial.head_length_m - fitting["head_length_m"]) for trial in study.trials]
-    names = list(fitting) if min(apart) <= MIN_PART_ERROR_M else list(fitting)[::-1]
+    names = (
+        list(fitting)
+        if min(apart) <= MIN_PART_ERROR_BODY_LENGTHS * robot.body_length_m
+        else list(fitting)[::-1]
+    )
     key, other = names
     remedy = "body_length_m is nose to root of the tail with the head of robot.head_length_m."
-    if abs(seen_m[2] - robot.com_to_tail_base_m - robot.tail_length_m) <= MAX_OTHER_ERROR_M:
+    apart_m = abs(seen_m[2] - robot.com_to_tail_base_m - robot.tail_length_m)
+    if apart_m <= MAX_KEYPOINT_ERROR_BODY_LENGTHS * robot.body_length_m:
         remedy = (
             f"The difference equals tail_length_m, {robot.tail_length_m:g} m: are tail_base and "
             f"tail_tip exchanged, in the file or in `bodyparts:`? If not, {remedy}"

@@ -20,13 +20,15 @@ from .body import measured_rigid_lengths, trusted_points
 from .common_mistakes import HeadAngleFinding, LengthFinding, seems_in_radians
 from .trial_comparison import (
     LENGTH_ENDPOINTS_AND_KEYS,
+    MAX_KEYPOINT_ERROR_BODY_LENGTHS,
     mean_head_angle_deg,
     stated_lengths,
     wrap_angle_deg,
 )
 
-MAX_LENGTH_ERROR_SHARE, MAX_LENGTH_ERROR_M = 0.25, 0.02
-"""Largest error of a rigid part's length on the trial's scale: the larger of share and length."""
+MAX_LENGTH_ERROR_SHARE = 0.25
+"""Largest error of a rigid part's length on the trial's scale; a larger one is accepted if it is at
+most `MAX_KEYPOINT_ERROR_BODY_LENGTHS`."""
 MAX_LENGTH_SCALE_RATIO = 1.5
 """Largest ratio of measured to stated lengths of all parts together, or its inverse."""
 MAX_HEAD_ANGLE_ERROR_DEG = 25.0
@@ -107,7 +109,8 @@ def _length_findings(
     if not 1 / MAX_LENGTH_SCALE_RATIO < scale < MAX_LENGTH_SCALE_RATIO:
         return [_scale_findings(place, study, scale)]
     off = np.abs(seen - scale * said)
-    bad = off > np.maximum(MAX_LENGTH_ERROR_SHARE * scale * said, MAX_LENGTH_ERROR_M)
+    by_keypoints_m = MAX_KEYPOINT_ERROR_BODY_LENGTHS * robot.body_length_m
+    bad = off > np.maximum(MAX_LENGTH_ERROR_SHARE * scale * said, by_keypoints_m)
     remedy = "Is head_length_m that of this trial, and does each keypoint bear its own name?"
     return [
         LengthFinding(

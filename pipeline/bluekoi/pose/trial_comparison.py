@@ -25,11 +25,14 @@ MIN_HEAD_ANGLE_DEVIATION_DEG = 2.0
 its usual repeatability."""
 MIN_ANGLES_FOR_GAIN = 4
 """Different stated angles that show an error of the servo's gain beside one wrong angle."""
-MIN_PART_ERROR_SHARE, MIN_PART_ERROR_M = 0.05, 0.008
+MAX_KEYPOINT_ERROR_BODY_LENGTHS = 0.06
+"""ASSUME largest error of a length that misplaced keypoints explain: 2 cm of the published robot.
+Larger ones are those of another robot, head or body part, and the trial is refused."""
+MIN_PART_ERROR_SHARE, MIN_PART_ERROR_BODY_LENGTHS = 0.05, 0.024
 """ASSUME error of one part's length beside the others above which the lengths of study.yaml are
-doubted, both as a share and in metres. In the 32 simulated studies of docs/evidence.md
-(`tidal_lock` 9405, `harbour_dock` 9204, `campus_pool` 5871) it is 2.6 % and 1.1 mm at most; people
-place keypoints less accurately."""
+doubted, both as a share and in body lengths (8 mm of the published robot). In the 32 simulated
+studies of docs/evidence.md (`tidal_lock` 9405, `harbour_dock` 9204, `campus_pool` 5871) it is 2.6 %
+and 1.1 mm at most; people place keypoints less accurately."""
 FRAME_HASHES, MIN_COMMON_HASHES = 64, 4
 """Frames of a trial that are compared with those of others: those with the smallest hashes (bottom
 sketch; Broder, Proc. SEQUENCES 1997, 21), and how many two trials may not have in common."""
@@ -235,11 +238,12 @@ def _length_warnings(
     ratios = {n: r["length_ratios"] for n, r in seen.items() if len(r.get("length_ratios", ())) > 2}
     if not ratios:
         return
+    least_m = MIN_PART_ERROR_BODY_LENGTHS * robot.body_length_m
     for part, (points, key) in LENGTH_ENDPOINTS_AND_KEYS.items():
         shares = [r[part] / float(np.median(list(r.values()))) - 1 for r in ratios.values()]
         stated = float(np.median([stated_lengths(robot, trials[n])[part] for n in ratios]))
         off = float(np.median(shares))
-        if abs(off) > MIN_PART_ERROR_SHARE and abs(off) * stated > MIN_PART_ERROR_M:
+        if abs(off) > MIN_PART_ERROR_SHARE and abs(off) * stated > least_m:
             yield (
                 f"{points} measures {1000 * stated * (1 + off):.0f} mm on the scale of the other "
                 f"parts, {1000 * stated:.0f} mm are stated ({key}). Check these lengths, and where "
@@ -253,7 +257,8 @@ def _tail_tip_warnings(robot: Robot, seen: Mapping[str, Mapping[str, Any]]) -> I
     if not lengths:
         return
     stated, found = robot.com_to_tail_base_m + robot.tail_length_m, float(np.median(lengths))
-    if abs(found - stated) > max(MIN_PART_ERROR_SHARE * stated, MIN_PART_ERROR_M):
+    least_m = MIN_PART_ERROR_BODY_LENGTHS * robot.body_length_m
+    if abs(found - stated) > max(MIN_PART_ERROR_SHARE * stated, least_m):
         yield (
             f"core_center to tail_tip measures {1000 * found:.0f} mm with a straight tail, "
             f"{1000 * stated:.0f} mm are stated (robot.body_length_m - robot.head_length_m - "

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from bluekoi.errors import InputError
-from bluekoi.explain import Stage, Trial, explain, load_model, read_trials
+from bluekoi.explain import Parameter, Stage, Trial, explain, load_model, read_trials
+from bluekoi.explain.checks import refuse_invalid_model
 from bluekoi.explain.diagnosis import divergence_error, reporting_compiler_errors
 from bluekoi.explain.numbers import FittedNumber, at_bound_sentences
 from bluekoi.explain.prediction import FreeSimulation, runaway_sentences
@@ -151,6 +152,14 @@ def test_the_equation_that_makes_a_model_run_away_is_named(equation, found):
     with pytest.raises(InputError, match=found):
         raise error
     assert "Check signs and units" in str(divergence_error(MODEL, [cart_trial()]))
+
+
+def test_a_name_that_the_integration_uses_is_refused():
+    coefficients = (Parameter("d_v", "1/s", 0.5, 0.0, 5.0, "drag"),)
+    with pytest.raises(
+        InputError, match=r"'d_v', which the integration uses for the derivative of the state 'v'"
+    ):
+        refuse_invalid_model(replace(MODEL, coefficients=coefficients))
 
 
 def test_the_equation_that_does_not_compile_is_named():

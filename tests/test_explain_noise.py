@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from bluekoi.cli import main
 from bluekoi.errors import InputError
-from bluekoi.explain import Parameter, Trial, explain, load_model
+from bluekoi.explain import Parameter, State, Trial, explain, load_model
 from bluekoi.explain.comparison import HeldOutErrors, unconfirmed_sentence
 from bluekoi.explain.fit_quality import MAX_ERROR_OVER_STATED
 from bluekoi.explain.preparation import prepare_cause_search, with_correlation_over_a_frame
@@ -77,6 +77,21 @@ def test_white_noise_can_grow_from_its_lower_bound():
     slopes = NoiseGradient(0.0, np.zeros(3), np.zeros(3), np.array([7.0]))
     assert _log_gradient(kernel, noise, slopes)[-1] == 7.0
     assert _log_gradient(kernel, noise, replace(slopes, scale=np.array([-7.0])))[-1] == 0.0
+
+
+def rates_with_fast_state(v: float, push: float, F: float, w: float, z: float):
+    """A third state that decays within 2 ms."""
+    return v + w, push + F, -z / 0.002
+
+
+def test_a_state_faster_than_a_sample_is_integrated_in_small_steps():
+    stages = tuple(
+        replace(s, outputs=("x", "v", "z"), function=rates_with_fast_state)
+        if s.name == "rates" else s for s in MODEL.stages
+    )  # fmt: skip
+    model = replace(MODEL, name="fast", stages=stages, states=(*MODEL.states, State("z", "1", 0.1)))
+    ready = prepare_cause_search(model, cart_trials(duration_s=3.0), (), lambda _: None)
+    assert ready.step_s == pytest.approx(0.002, rel=0.1)
 
 
 def test_random_parts_stay_correlated_over_a_frame():

@@ -85,7 +85,7 @@ def test_a_ship_fitted_to_zigzags_turns_in_circles(recordings):
 
 @pytest.mark.long
 def test_the_tracked_point_of_a_robotic_fish_is_ahead_of_its_centre_of_mass(recordings):
-    """The causes that all maxima of its posterior share (docs/recordings.md)."""
+    """The causes that every search named (docs/recordings.md)."""
     found = search_recording("robotic_fish", recordings / "robotic_fish")
     assert named_causes(found) >= {"keypoint_bias", "thrust_line_offset"}
     number = {n.label: n.value for n in found.numbers}

@@ -21,6 +21,7 @@ from .model import (
     State,
     names_of_arguments,
 )
+from .unique_names import check_unique_names
 from .unused_numbers import check_unused_numbers
 
 MAX_STATES = 14
@@ -88,23 +89,14 @@ def _text_or_type(value: object) -> str:
 
 
 def _check_names(model: Model) -> list[InputIssue]:
-    """Names that are unusable, used twice or refer to nothing; counts and standard deviations."""
+    """Names that are unusable or refer to nothing; counts and standard deviations."""
     out = []
     if not model.name.isidentifier():
         out.append(InputIssue("model", "name", f"'{model.name}'", "letters, digits and _"))
     for what, least in (("states", 1), ("observations", 1), ("stages", 1)):
         if len(getattr(model, what)) < least:
             out.append(_finding(model, what, "none", "one at least"))
-    names = [x.name for x in model.variables] + [c.name for c in model.constants]
-    names += [p.name for p in model.coefficients]
-    names += [
-        o for s in model.stages if s.name not in (RATES_STAGE, OBSERVE_STAGE) for o in s.outputs
-    ]
-    names += [s for c in model.causes for s in c.states]
-    out += [_finding(model, "names", f"'{n}' stands for two things", "a name for each")
-            for n in sorted({n for n in names if names.count(n) > 1})]  # fmt: skip
-    out += [_finding(model, "names", f"'{n}'", "letters, digits and _")
-            for n in names if not n.isidentifier()]  # fmt: skip
+    out += check_unique_names(model)
     observed = [o.name for o in model.observations]
     for s in model.states:
         for given in (s.observed, s.rate_of):

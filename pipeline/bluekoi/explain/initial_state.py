@@ -18,6 +18,9 @@ MAX_START_SAMPLES, MIN_PARABOLA_SAMPLES = 8, 4
 leave one degree of freedom for its misfit."""
 CURVATURE_TEST_LEVEL = 0.99
 """Quantile of chi squared that the misfit of the first samples may reach."""
+MAX_MISFIT_OVER_STATED = 100.0
+"""Misfit over the stated standard deviation, as large as errors may be for a fit to go on
+(`fit_quality.MAX_ERROR_OVER_STATED_TO_FIT`)."""
 
 
 def initial_state_mean_and_cov(
@@ -66,7 +69,8 @@ def initial_level_and_slope(times: Float, values: Float, std: float) -> InitialL
 
     Where these bend by more than their noise of standard deviation std, by a parabola through as
     many of them as lie on one. If not even the first four do, what a cubic through them changes
-    counts as error.
+    counts as error. A misfit of more than `MAX_MISFIT_OVER_STATED` is an error of the recording: the
+    line is kept, and the check of the fitted errors names the recording.
     """
     known = np.flatnonzero(np.isfinite(values))[:MAX_START_SAMPLES]
     t, y = times[known] - times[0], values[known]
@@ -79,6 +83,8 @@ def initial_level_and_slope(times: Float, values: Float, std: float) -> InitialL
         cubic = _fitted_polynomial(t[:MIN_PARABOLA_SAMPLES], y[:MIN_PARABOLA_SAMPLES], 3, std)
         change = np.abs(cubic.level_and_slope - fit.level_and_slope)
         fit = replace(fit, stds=np.hypot(fit.stds, change))
+    if fit.stds[0] > MAX_MISFIT_OVER_STATED * std:
+        fit = replace(_fitted_polynomial(t, y, 1, std), stds=np.zeros(2))
     (level, slope), (level_std, slope_std) = fit.level_and_slope, fit.stds
     return InitialLevelAndSlope((float(level), float(level_std)), (float(slope), float(slope_std)))
 

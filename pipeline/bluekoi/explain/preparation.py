@@ -24,6 +24,7 @@ from .stepping import (
     MAX_LOG_LIKELIHOOD_CHANGE,
     fastest_rates_per_s,
     log_likelihood_change_by_finer_step,
+    longest_step_at_start_s,
     longest_step_s,
 )
 from .system_assembly import AssembledSystem, assemble_system, residual_term_variables
@@ -75,9 +76,11 @@ def prepare_cause_search(
     rate = fit_rate_hz(model, trials)
     model = with_correlation_over_a_frame(model, max(1.0 / rate, median_interval_s(trials)))
     assembly = assemble_system(model, hold=not np.isfinite(rate))
-    kernel = compile_system(assembly.system)
     base, free = assembly.system.values({}), free_coefficients(model, trials)
     series = series_of_trials(model, assembly, trials, scales, rate)
+    step = longest_step_at_start_s(compile_system(assembly.system), series, base)
+    assembly = assemble_system(model, step_s=step, hold=not np.isfinite(rate))
+    kernel = compile_system(assembly.system)
     noise = initial_noise(kernel, series, base)
     if noise is None:
         raise divergence_error(model, trials)

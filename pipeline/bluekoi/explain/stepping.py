@@ -8,6 +8,7 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import FilterResults, Noise, TrialSeries, filter_all
+from ..fitting.filtering import MAX_FILTER_STEP_S
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import repeat_over_lanes, simulate_batch
 
@@ -36,10 +37,24 @@ def fastest_rates_per_s(
             np.linspace(0, len(one.times) - 1, min(each, len(one.times))).astype(int)
         )
         slopes = state_jacobians(kernel, one, result.filtered[frames], value, frames)
-        usable = slopes[np.isfinite(slopes).all(axis=(1, 2))]
-        if len(usable):
-            out.append(np.abs(np.linalg.eigvals(usable)).max(axis=1))
-    return np.concatenate(out) if out else np.zeros(1)
+        out.append(_largest_eigenvalues(slopes))
+    return np.concatenate([*out, np.zeros(1)])
+
+
+def longest_step_at_start_s(
+    kernel: CompiledSystem, series: Sequence[TrialSeries], values: Float
+) -> float:
+    """Integration step for the initial states of trials, before any state is filtered."""
+    first = np.zeros(1, dtype=int)
+    slopes = [state_jacobians(kernel, one, one.mean[None], values, first) for one in series]
+    rates = _largest_eigenvalues(np.concatenate(slopes))
+    return min(MAX_FILTER_STEP_S, longest_step_s(float(rates.max(initial=0.0))))
+
+
+def _largest_eigenvalues(slopes: Float) -> Float:
+    """Largest |eigenvalue| of each matrix (n, s, s) that is finite."""
+    usable = slopes[np.isfinite(slopes).all(axis=(1, 2))]
+    return np.abs(np.linalg.eigvals(usable)).max(axis=1) if len(usable) else np.zeros(0)
 
 
 def state_jacobians(

@@ -8,6 +8,21 @@ from .system import Stage, System
 
 LANES = 16
 """Simulations that one call of the kernel advances together."""
+TIME_NAME = "t"
+STATE_ROW_MEANINGS = {
+    "d_{}": "the derivative of the state",
+    "start_{}": "the state at the start of a step",
+    "total_{}": "the sum over a step of the state",
+}
+OBSERVATION_ROW = "y_{}"
+
+
+def names_of_integration(states: Iterable[str], observations: Iterable[str]) -> dict[str, str]:
+    """Names that no other value may have, with what each of them is."""
+    own = {row.format(s): f"{meaning} '{s}'" for s in states
+           for row, meaning in STATE_ROW_MEANINGS.items()}  # fmt: skip
+    seen = {OBSERVATION_ROW.format(o): f"the observation '{o}'" for o in observations}
+    return {TIME_NAME: "the time"} | own | seen
 
 
 class RowNumbers:
@@ -23,17 +38,17 @@ class RowNumbers:
         self._system = system
         self.named: dict[str, int] = {}
         self._add(system.all_states)
-        self._add(("t",))
+        self._add((TIME_NAME,))
         self.first_parameter = self._add(p.name for p in system.parameters)
         self.own = {(e.name, p.argument): self.named[f"{e.name}.{p.name}"]
                     for e in system.effects for p in e.parameters}  # fmt: skip
         self.first_constant = self._add(system.constants)
         self.first_input = self._add(system.inputs)
         self._add(outputs)
-        self.first_rate = self._add(f"d_{s}" for s in system.all_states)
-        self.first_start = self._add(f"start_{s}" for s in system.all_states)
-        self.first_total = self._add(f"total_{s}" for s in system.all_states)
-        self.first_observed = self._add(f"y_{o}" for o in system.observations)
+        self.first_rate, self.first_start, self.first_total = (
+            self._add(row.format(s) for s in system.all_states) for row in STATE_ROW_MEANINGS
+        )
+        self.first_observed = self._add(OBSERVATION_ROW.format(o) for o in system.observations)
         self.count = len(self.named)
 
     def _add(self, names: Iterable[str]) -> int:

@@ -69,8 +69,8 @@ def initial_level_and_slope(times: Float, values: Float, std: float) -> InitialL
 
     Where these bend by more than their noise of standard deviation std, by a parabola through as
     many of them as lie on one. If not even the first four do, what a cubic through them changes
-    counts as error. A misfit of more than `MAX_MISFIT_OVER_STATED` is an error of the recording: the
-    line is kept, and the check of the fitted errors names the recording.
+    counts as error. A misfit of more than `MAX_MISFIT_OVER_STATED` is an error of the recording:
+    the line is kept, and the check of the fitted errors names the recording.
     """
     known = np.flatnonzero(np.isfinite(values))[:MAX_START_SAMPLES]
     t, y = times[known] - times[0], values[known]

@@ -1,0 +1,52 @@
+"""Frames of a keypoint file that were filled in afterwards instead of measured.
+
+Between two measured frames, a filled gap holds points on straight lines, or the last pose again.
+Measured points scatter by a hundredth of a pixel or more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..data import Keypoints
+
+MAX_SECOND_DIFFERENCE_PX = 0.005
+"""Second difference of a coordinate that rounding to a hundredth of a pixel and less leaves."""
+MIN_FILLED_FRAMES = 8
+"""Frames of a gap from which it is named."""
+MIN_LIKELIHOOD = 0.5
+"""Points below are not stated as measured: detectors fill gaps with such points themselves."""
+MIN_TRAVEL_PX = 2.0
+"""Travel of a keypoint after which the robot is said to have started: before, it rests."""
+
+
+def longest_filled_gap(keypoints: Keypoints) -> dict[str, Any] | None:
+    """Longest stretch of frames that were filled in: `from_s`, `to_s`, `frames`; None if none."""
+    xy = np.where(keypoints.likelihood[:, :, None] >= MIN_LIKELIHOOD, keypoints.xy_px, np.nan)
+    bends = np.abs(np.diff(xy, n=2, axis=0)).reshape(max(len(xy) - 2, 0), -1)
+    straight = np.isfinite(bends).any(axis=1) & ~(bends > MAX_SECOND_DIFFERENCE_PX).any(axis=1)
+    travel = np.linalg.norm(xy - xy[:1], axis=2)
+    straight &= np.maximum.accumulate((travel > MIN_TRAVEL_PX).any(axis=1))[1:-1]
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], straight.astype(int), [0]])))
+    runs = edges.reshape(-1, 2)
+    if not len(runs):
+        return None
+    first, end = runs[np.argmax(runs[:, 1] - runs[:, 0])]
+    frames = int(end - first)
+    if frames < MIN_FILLED_FRAMES:
+        return None
+    times = keypoints.time_s[first + 1 : end + 1]
+    return {"from_s": float(times[0]), "to_s": float(times[-1]), "frames": frames}
+
+
+def filled_gap_warning(name: str, gap: Mapping[str, Any]) -> str:
+    """Sentence on the filled frames of a trial."""
+    return (
+        f"Trial {name}: from {gap['from_s']:.2f} to {gap['to_s']:.2f} s, all keypoints move by the "
+        f"same step from frame to frame or stand still, to the last digit. These {gap['frames']} "
+        "frames were filled in and not measured: leave their cells empty, or choose a part of the "
+        "recording by start_s and end_s."
+    )

@@ -1,0 +1,57 @@
+"""Frames that were filled in afterwards are told from measured ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bluekoi.data import Keypoints
+from bluekoi.pose.filled_frames import filled_gap_warning, longest_filled_gap
+
+FRAMES, PARTS = 120, 4
+
+
+def swimming_keypoints(rest_frames: int = 0) -> Keypoints:
+    """Four keypoints on a turn, with a scatter of a twentieth of a pixel; first at rest."""
+    rng = np.random.default_rng(1)
+    time = np.arange(FRAMES) / 30.0
+    angle = 0.8 * np.maximum(time - rest_frames / 30.0, 0.0)
+    centre = 300.0 * np.column_stack([np.sin(angle), np.cos(angle)])
+    xy = centre[:, None] + 20.0 * np.arange(PARTS)[None, :, None]
+    xy[rest_frames:] += rng.normal(0, 0.05, (FRAMES - rest_frames, PARTS, 2))
+    unknown = np.full((FRAMES, PARTS, 2, 2), np.nan)
+    return Keypoints(time, tuple("abcd"), xy, np.ones((FRAMES, PARTS)), unknown)
+
+
+def with_frames(keypoints: Keypoints, first: int, count: int, *, still: bool) -> Keypoints:
+    """Frames replaced by points on straight lines, or by the pose before them."""
+    xy = keypoints.xy_px.copy()
+    share = np.zeros(count) if still else np.arange(1, count + 1) / (count + 1)
+    begin, end = xy[first - 1], xy[min(first + count, FRAMES - 1)]
+    xy[first : first + count] = begin + share[:, None, None] * (end - begin)
+    return replace(keypoints, xy_px=np.round(xy, 3))
+
+
+@pytest.mark.parametrize("still", [False, True])
+def test_a_gap_that_was_filled_in_is_found(still: bool) -> None:
+    gap = longest_filled_gap(with_frames(swimming_keypoints(), 60, 24, still=still))
+    assert gap is not None
+    assert 22 <= gap["frames"] <= 25
+    assert gap["from_s"] == pytest.approx(60 / 30, abs=0.07)
+    assert gap["to_s"] == pytest.approx(83 / 30, abs=0.07)
+    assert "2.0" in filled_gap_warning("T1", gap)
+    assert "not measured" in filled_gap_warning("T1", gap)
+
+
+def test_measured_frames_and_a_robot_that_waits_are_not_called_filled() -> None:
+    assert longest_filled_gap(swimming_keypoints()) is None
+    assert longest_filled_gap(swimming_keypoints(rest_frames=40)) is None
+
+
+def test_points_of_low_likelihood_are_a_detectors_own_filling() -> None:
+    filled = with_frames(swimming_keypoints(), 60, 24, still=False)
+    likelihood = filled.likelihood.copy()
+    likelihood[60:84] = 0.2
+    assert longest_filled_gap(replace(filled, likelihood=likelihood)) is None

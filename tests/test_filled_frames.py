@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bluekoi.data import Keypoints
-from bluekoi.pose.filled_frames import filled_gap_warning, longest_filled_gap
+from bluekoi.pose.filled_frames import filled_gap_warnings, longest_filled_gap
 
 FRAMES, PARTS = 120, 4
 
@@ -41,8 +41,15 @@ def test_a_gap_that_was_filled_in_is_found(still: bool) -> None:
     assert 22 <= gap["frames"] <= 25
     assert gap["from_s"] == pytest.approx(60 / 30, abs=0.07)
     assert gap["to_s"] == pytest.approx(83 / 30, abs=0.07)
-    assert "2.0" in filled_gap_warning("T1", gap)
-    assert "not measured" in filled_gap_warning("T1", gap)
+
+
+def test_the_filled_gaps_of_all_trials_are_named_in_one_sentence() -> None:
+    gap = {"from_s": 2.0, "to_s": 2.7667, "frames": 24}
+    (text,) = filled_gap_warnings({"T1": gap, "T2": gap})
+    assert text.startswith(
+        "In trials T1 from 2.00 to 2.77 s, T2 from 2.00 to 2.77 s, all keypoints"
+    )
+    assert filled_gap_warnings({}) == []
 
 
 def test_measured_frames_and_a_robot_that_waits_are_not_called_filled() -> None:

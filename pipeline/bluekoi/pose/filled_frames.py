@@ -42,11 +42,15 @@ def longest_filled_gap(keypoints: Keypoints) -> dict[str, Any] | None:
     return {"from_s": float(times[0]), "to_s": float(times[-1]), "frames": frames}
 
 
-def filled_gap_warning(name: str, gap: Mapping[str, Any]) -> str:
-    """Sentence on the filled frames of a trial."""
-    return (
-        f"Trial {name}: from {gap['from_s']:.2f} to {gap['to_s']:.2f} s, all keypoints move by the "
-        f"same step from frame to frame or stand still, to the last digit. These {gap['frames']} "
-        "frames were filled in and not measured: leave their cells empty, or choose a part of the "
-        "recording by start_s and end_s."
-    )
+def filled_gap_warnings(gaps: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """One sentence on the filled frames of all trials that have some. gaps: by trial."""
+    if not gaps:
+        return []
+    places = ", ".join(f"{name} from {gap['from_s']:.2f} to {gap['to_s']:.2f} s"
+                       for name, gap in gaps.items())  # fmt: skip
+    return [
+        f"In trial{'s' if len(gaps) > 1 else ''} {places}, all keypoints move by the same step "
+        "from frame to frame or stand still, to the last digit. These frames were filled in and "
+        "not measured: leave their cells empty, or choose a part of the recording by start_s and "
+        "end_s."
+    ]

@@ -19,7 +19,7 @@ from ..data import Float, Keypoints, Pose, Positions
 from ..data.majority import deviations_from_majority
 from ..study import Robot, Study, Trial
 from .body import measured_rigid_lengths, trusted_points
-from .filled_frames import filled_gap_warning, longest_filled_gap
+from .filled_frames import filled_gap_warnings, longest_filled_gap
 
 MIN_HEAD_ANGLE_DEVIATION_DEG = 2.0
 """Head angles that deviate less from those of the other trials are a servo's accuracy: seven times
@@ -102,7 +102,7 @@ def comparison_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]])
         *_length_warnings(study.setup.robot, trials, seen),
         *_tail_tip_warnings(study.setup.robot, seen),
         *_interpolated_track_warnings(seen),
-        *(filled_gap_warning(n, gap) for n, r in seen.items() if (gap := r.get("filled_gap"))),
+        *filled_gap_warnings({n: gap for n, r in seen.items() if (gap := r.get("filled_gap"))}),
     ]
 
 

@@ -53,3 +53,18 @@ def test_missing_samples_are_passed_over_and_three_give_a_line() -> None:
     assert found.level[0] == pytest.approx(2.0)
     few = initial_level_and_slope(TIMES[:3], 2.0 + 5.0 * TIMES[:3], NOISE)
     assert few.slope[0] == pytest.approx(5.0)
+
+
+def test_a_part_of_a_trial_in_which_hardly_anything_was_seen_has_a_start() -> None:
+    nothing = initial_level_and_slope(TIMES, np.full(50, np.nan), NOISE)
+    assert (nothing.level[0], nothing.slope[0]) == (0.0, 0.0)
+    one = initial_level_and_slope(TIMES, np.where(np.arange(50) == 0, 3.0, np.nan), NOISE)
+    assert one.level[0] == pytest.approx(3.0)
+    assert np.isfinite([*one.level, *one.slope]).all()
+
+
+def test_a_recording_in_another_unit_is_left_to_the_check_of_errors() -> None:
+    """Noise of 1 mm that is taken for 1 m: an uncertainty as large would hide it."""
+    values = 1000.0 * np.random.default_rng(5).normal(0, NOISE, len(TIMES))
+    found = initial_level_and_slope(TIMES, values, NOISE)
+    assert (found.level[1], found.slope[1]) == (0.0, 0.0)

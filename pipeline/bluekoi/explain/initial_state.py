@@ -70,9 +70,12 @@ def initial_level_and_slope(times: Float, values: Float, std: float) -> InitialL
     Where these bend by more than their noise of standard deviation std, by a parabola through as
     many of them as lie on one. If not even the first four do, what a cubic through them changes
     counts as error. A misfit of more than `MAX_MISFIT_OVER_STATED` is an error of the recording:
-    the line is kept, and the check of the fitted errors names the recording.
+    the line is kept, and the check of the fitted errors names the recording. Without a known sample
+    both are 0.
     """
     known = np.flatnonzero(np.isfinite(values))[:MAX_START_SAMPLES]
+    if not len(known):
+        return InitialLevelAndSlope((0.0, 0.0), (0.0, 0.0))
     t, y = times[known] - times[0], values[known]
     fit = _fitted_polynomial(t, y, 1, std)
     for count in range(len(known), MIN_PARABOLA_SAMPLES - 1, -1):
@@ -109,6 +112,6 @@ def _fitted_polynomial(t: Float, y: Float, degree: int, std: float) -> _FittedPo
     found = np.linalg.lstsq(design, y, rcond=None)[0]
     freedom = max(len(t) - degree - 1, 1)
     misfit = float(np.sum((y - design @ found) ** 2)) / std**2
-    variances = np.diag(np.linalg.inv(design.T @ design))[:2] * max(1.0, misfit / freedom)
+    variances = np.diag(np.linalg.pinv(design.T @ design))[:2] * max(1.0, misfit / freedom)
     return _FittedPolynomial(found[:2] / unit, std * np.sqrt(variances) / unit,
                              misfit <= chi2.ppf(CURVATURE_TEST_LEVEL, freedom))  # fmt: skip

@@ -77,7 +77,7 @@ rule geometry:
 
 
 rule tracks:
-    input: plan.keypoints_marker, plan.depth_file(),
+    input: plan.keypoints_marker, plan.geometry_file(),
     output: R / "status/batches/tracks-{batch}",
     conda: ENV
     log: LOGS / "tracks/{batch}.log"

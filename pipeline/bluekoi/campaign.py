@@ -64,6 +64,12 @@ class Campaign:
         )
 
     @property
+    def keypoint_displacements(self) -> JsonMapping:
+        """Keypoint -> displacement in the pool, of those that the tracks are corrected for."""
+        found: JsonMapping = (self.geometry or {}).get("keypoint_displacements") or {}
+        return found
+
+    @property
     def has_additions(self) -> bool:
         """Whether causes were added to the model; if not, there is no extended model."""
         causes = (self.mismatch or {}).get("causes") or []

@@ -22,6 +22,7 @@ import numpy as np
 from ..campaign import Campaign
 from ..data import FlappingFrequency, Pose, SteadyState, Track
 from ..measurement import clock_error
+from ..mismatch.measured_cause import measured_cause, with_measured_cause
 from ..mismatch.wrong_clock import CLOCK_CAUSE
 from ..motor import (
     common_clock_ratio,
@@ -176,26 +177,14 @@ def with_clock_cause(
                 "them).")  # fmt: skip
         turns = (f" (or the motor log counts {1 / factor.value:.4g} turns a tail beat: check "
                  "both)")  # fmt: skip
-    cause = {
-        "name": CLOCK_CAUSE,
-        "kind": clock_error.EFFECT_KIND,
-        "channels": list(clock_error.AFFECTED_CHANNELS),
-        "regime": clock_error.MOST_VISIBLE_WHERE if all_trials else f"trials {', '.join(alike)}",
-        "parameters": {"rate_error": {"value": value - 1, "std": factor.std, "unit": "1"}},
-        "weight": 1.0,
-        "credible_set": [CLOCK_CAUSE],
-        "log_evidence_gain": 0.5 * factor.sigmas**2,
-        "sentence": f"The frame rate is wrong by a factor: {said}. The tail beats "
+    cause = measured_cause(
+        clock_error,
+        {"rate_error": {"value": value - 1, "std": factor.std, "unit": "1"}},
+        regime=clock_error.MOST_VISIBLE_WHERE if all_trials else f"trials {', '.join(alike)}",
+        sigmas=factor.sigmas,
+        sentence=f"The frame rate is wrong by a factor: {said}. The tail beats "
         f"{factor.value:.4g} times as fast in the video as the motor does.{gear}",
-    }
-    others = [c for c in content["causes"] if c is not fine]
-    rest = f" In true time: {content['sentence']}"
-    return {
-        **content,
-        "verdict": clock_error.EFFECT_KIND,
-        "sentence": f"Measurement error: clock_error, {said}{turns}.{rest}",
-        "causes": [cause, *others],
-        "rivals": [r for r in content["rivals"] if r["name"] != CLOCK_CAUSE],
-        "probabilities": {**content["probabilities"], CLOCK_CAUSE: 1.0},
-        "clock_factor": {n: f.value for n, f in sorted(factors.items())},
-    }
+    )
+    sentence = f"Measurement error: clock_error, {said}{turns}. In true time: {content['sentence']}"
+    named = with_measured_cause(content, cause, sentence=sentence, replaces=[fine] if fine else [])
+    return {**named, "clock_factor": {n: f.value for n, f in sorted(factors.items())}}

@@ -16,7 +16,7 @@ from typing import Any
 from ..errors import InputError
 from ..files import read_json
 from ..study import Study, Trial
-from .depth import keypoint_depth
+from .geometry_results import keypoint_depth, keypoint_displacement_vectors
 from .layout import ResultPaths
 
 MAX_COMPARED_BYTES = 2**20
@@ -79,8 +79,9 @@ def _motion_inputs(study: Study, trial: Trial, layout: ResultPaths) -> list[Any]
     log = study.motor_path(trial)
     depth_m = keypoint_depth(study.setup, layout)
     given = study.setup.robot.depth_given
+    displaced = keypoint_displacement_vectors(trial, layout)
     files = [file_state(path) for path in (layout.detection(trial.trial_id), log) if path]
-    return [without_keys(trial_row(trial), "role"), setup, given, depth_m, files]
+    return [without_keys(trial_row(trial), "role"), setup, given, depth_m, displaced, files]
 
 
 def _overlay_inputs(study: Study, trial: Trial, layout: ResultPaths) -> list[Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,12 @@ import numpy as np
 
 from ..camera import map_keypoints, pool_camera
 from ..camera.geometry_hypotheses import HypothesisFit
+from ..camera.keypoint_displacement import (
+    KeypointDisplacement,
+    keypoint_displacements,
+    vectors_m,
+    without_displacements,
+)
 from ..camera.length_windows import windows_to_columns
 from ..camera.pool_projection import PoolCamera
 from ..camera.rigid_distances import CameraGeometry
@@ -25,7 +31,7 @@ from ..data import Positions
 from ..errors import InputError
 from ..files import read_json, write_json
 from ..keypoints.deeplabcut import read_detections
-from ..study import Study, Trial, load_study
+from ..study import Robot, Study, Trial, load_study
 from ..study.keypoint_depth import select_keypoint_depth_m
 from .layout import ResultPaths
 from .status import has_measured_lengths, successful_trials
@@ -58,9 +64,10 @@ def geometry(study: Path, results: Path) -> None:
     likely: `nothing`, an error's name, or `unknown`. by_trial: relative error of each trial's
     lengths that the likely error leaves. map: relative error of the distances over the
     pool, and what the likely error predicts there. windows: means of the distances over half a
-    second, which the mismatch stage compares errors of the camera with. tail_end_seen: False where
-    no frame shows the body's whole length; trials_without_tail_end: those of which no frame does
-    while most others have such frames.
+    second, which the mismatch stage compares errors of the camera with. keypoint_displacements:
+    constant vectors in the pool, which are subtracted here and in the tracks. tail_end_seen: False
+    where no frame shows the body's whole length; trials_without_tail_end: those of which no frame
+    does while most others have such frames.
     """
     loaded, layout = load_study(study), ResultPaths(results)
     ids = [trial.trial_id for trial in loaded.trials]
@@ -82,18 +89,22 @@ def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: ResultPaths
         return _impossible_geometry_check_json("no trial with keypoints")
     camera = _trial_camera(study, trials[0], layout)
     lengths = [trial.head_length_m for trial in trials]
-    placed = _mapped_keypoint_positions(camera, trials, layout, depth)
+    mapped = _mapped_keypoint_positions(camera, trials, layout, depth)
+    displaced = _displacements_in_keypoint_files(trials, mapped, setup.robot)
+    placed = _without_displacements(trials, mapped, displaced)
     estimate, std = (depth, 0.0) if camera.lens is None else estimate_depth(
         camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
     )  # fmt: skip
     if (used := select_keypoint_depth_m(setup, estimate, std)) != depth:
-        depth, placed = used, _mapped_keypoint_positions(camera, trials, layout, used)
+        depth, mapped = used, _mapped_keypoint_positions(camera, trials, layout, used)
+        placed = _without_displacements(trials, mapped, displaced)
     check = check_camera_geometry(
         camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
     )
     return {
         **_geometry_check_json(check, trials),
         "measured": "rigid parts",
+        "keypoint_displacements": {name: asdict(found) for name, found in displaced.items()},
         "depth_m": depth,
         "depth_estimate_m": estimate if std else None,
         "depth_estimate_std_m": std or None,
@@ -150,6 +161,28 @@ def _mapped_keypoint_positions(
 ) -> list[Positions]:
     found = (read_detections(layout.keypoints(trial.trial_id), trial) for trial in trials)
     return [map_keypoints(camera, one, depth_m) for one in found]
+
+
+def _displacements_in_keypoint_files(
+    trials: Sequence[Trial], mapped: Sequence[Positions], robot: Robot
+) -> dict[str, KeypointDisplacement]:
+    """Displacements by keypoint, from the trials whose keypoints are read from files."""
+    read = [(one, trial.head_length_m) for trial, one in zip(trials, mapped, strict=True)
+            if trial.reads_keypoints]  # fmt: skip
+    if not read:
+        return {}
+    positions, head_lengths_m = zip(*read, strict=True)
+    return keypoint_displacements(positions, head_lengths_m, robot)
+
+
+def _without_displacements(
+    trials: Sequence[Trial],
+    mapped: Sequence[Positions],
+    displaced: Mapping[str, KeypointDisplacement],
+) -> list[Positions]:
+    vectors = vectors_m(displaced)
+    return [without_displacements(one, vectors) if trial.reads_keypoints else one
+            for trial, one in zip(trials, mapped, strict=True)]  # fmt: skip
 
 
 def _geometry_check_json(check: GeometryCheck, trials: Sequence[Trial]) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from ..files import write_json
 from ..fitting import TrialSeries, free_runs
 from ..mismatch import find_mismatch
 from ..mismatch.camera_displacement import with_displacement_constants
+from ..mismatch.displaced_keypoints import with_keypoint_bias_cause
 from ..mismatch.laws import cause_force_curves, partial_residuals
 from ..mismatch.results_json import mismatch_detail_json, mismatch_json
 from ..mismatch.rigid_lengths import rigid_length_measurement
@@ -96,6 +97,7 @@ def mismatch(study: Path, results: Path) -> None:
             cause["regime"] = f"trials {', '.join(part)}"
     fitted_factors = {s.name: factors[s.name] for s in series if s.name in factors}
     content = with_clock_cause(content, fitted_factors, len(series))
+    content = with_keypoint_bias_cause(content, campaign.keypoint_displacements)
     write_json(ResultPaths(results).mismatch, content)
 
 

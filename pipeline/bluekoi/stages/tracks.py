@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..camera.calibration_uncertainty import calibration_covariance_at_points
+from ..camera.keypoint_displacement import without_displacements
 from ..camera.picture_bounds import check_within_picture
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
@@ -34,7 +35,7 @@ from ..smoothing.systematic_error import with_systematic_error
 from ..steady import steady_state, write_steady
 from ..study import Study, Trial, load_study
 from .compiling import precompile_smoother as preload
-from .depth import keypoint_depth
+from .geometry_results import keypoint_depth, keypoint_displacement_vectors
 from .head_angle_sign import head_angle_sign_finding
 from .layout import ResultPaths
 from .pool_edges import check_pool_edges
@@ -70,9 +71,10 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
     if trial.reads_keypoints and study.setup.camera:
         check_within_picture(study.paths(trial)[0], found, study.setup.camera.image_size_px)
     depth = keypoint_depth(study.setup, layout)
-    positions, exchanged = undo_head_tail_exchanges(
-        map_keypoints(camera, found, depth), study.setup.robot, trial.head_length_m
+    mapped = without_displacements(
+        map_keypoints(camera, found, depth), keypoint_displacement_vectors(trial, layout)
     )
+    positions, exchanged = undo_head_tail_exchanges(mapped, study.setup.robot, trial.head_length_m)
     try:
         pose = checked_rigid_pose(study, trial, positions)
     except InputError:

@@ -174,9 +174,13 @@ class Plan:
         """Pictures of all figures."""
         return [str(self.results / f"figures/{name}.png") for name in figure_names()]
 
-    def depth_file(self) -> list[str]:
-        """File with the estimated depth of the keypoints, where study.yaml does not give it."""
-        return [] if self.study.setup.robot.depth_given else [str(self.results / "geometry.json")]
+    def geometry_file(self) -> list[str]:
+        """File with what tracks need of the geometry check: the depth of the keypoints where
+        study.yaml does not give it, and their displacements where they come from files.
+        """
+        from_files = any(trial.reads_keypoints for trial in self.study.trials)
+        needed = from_files or not self.study.setup.robot.depth_given
+        return [str(self.results / "geometry.json")] if needed else []
 
     def figure_inputs(self, wildcards: Any) -> list[str]:
         """What a figure is drawn from beside the fits and the search."""

@@ -1,0 +1,159 @@
+"""Keypoints displaced in a direction of the pool are found by the robot's rigid lengths."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bluekoi.camera.keypoint_displacement import (
+    keypoint_displacements,
+    vectors_m,
+    without_displacements,
+)
+from bluekoi.data import Positions, read_pose
+from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial, write_keypoints_csv
+from bluekoi.mismatch.displaced_keypoints import with_keypoint_bias_cause
+from bluekoi.stages.geometry import geometry
+from bluekoi.stages.keypoints import keypoints
+from bluekoi.stages.tracks import tracks
+from bluekoi.study import Robot, load_study
+from small_studies import SMALL_STUDY_TRIALS, small_study
+
+ROBOT = Robot(
+    mass_kg=0.68, yaw_inertia_kg_m2=0.0095, body_length_m=0.331, head_length_m=0.12,
+    head_span_m=0.069, hinge_to_com_m=0.04, tail_length_m=0.066,
+)  # fmt: skip
+PARTS = ("head_tip", "hinge", "core_center", "tail_base")
+HEAD_ANGLES_RAD = np.radians([-30.0, -15.0, 0.0, 15.0, 30.0, 0.0])
+EMPTY_VERDICT = {"verdict": "none", "sentence": "Nothing.", "causes": [], "rivals": [],
+                 "probabilities": {"keypoint_bias": 0.01}}  # fmt: skip
+
+
+def circle_with_noise(head_angle_rad: float, seed: int, std_m: float = 0.001) -> Positions:
+    """Five seconds of a robot on a circle; straight, in a direction of its own, without a head
+    angle.
+    """
+    rng, t = np.random.default_rng(seed), np.arange(150) / 30.0
+    heading = rng.uniform(-np.pi, np.pi) + 1.5 * np.sin(head_angle_rad) * t
+    core = np.exp(1j * heading)
+    center = 0.8j + 1.3 + np.cumsum(0.2 / 30.0 * core) * (1.0 if head_angle_rad else 0.3)
+    hinge = center + ROBOT.hinge_to_com_m * core
+    tip = hinge + 0.12 * core * np.exp(1j * head_angle_rad)
+    tail = center - ROBOT.com_to_tail_base_m * core
+    points = np.stack([tip, hinge, center, tail], axis=1)
+    xy = np.stack([points.real, points.imag], axis=2) + rng.normal(0.0, std_m, (len(t), 4, 2))
+    cov = np.broadcast_to(std_m**2 * np.eye(2), (len(t), 4, 2, 2))
+    return Positions(t, PARTS, xy, cov, np.ones((len(t), 4)))
+
+
+def circles(seed: int, std_m: float = 0.001) -> list[Positions]:
+    return [circle_with_noise(a, 100 * seed + k, std_m) for k, a in enumerate(HEAD_ANGLES_RAD)]
+
+
+def found_in(trials: list[Positions]) -> dict:
+    return keypoint_displacements(trials, [0.12] * len(trials), ROBOT)
+
+
+@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("vector", [(0.02, 0.0), (-0.004, 0.004), (0.0, -0.01)])
+def test_one_displaced_keypoint_is_found(part, vector):
+    displaced = [without_displacements(one, {part: (-vector[0], -vector[1])})
+                 for one in circles(1)]  # fmt: skip
+    found = found_in(displaced)
+    assert list(found) == [part]
+    assert vectors_m(found)[part] == pytest.approx(vector, abs=0.001)
+
+
+def test_estimates_have_the_stated_standard_errors():
+    """Of 30 seeds, with the vectors known to the millimetre to which they are rounded."""
+    normalised = []
+    for seed in range(30):
+        moved = [without_displacements(one, {"hinge": (-0.03, 0.0)})
+                 for one in circles(seed, std_m=0.01)]  # fmt: skip
+        one = found_in(moved)["hinge"]
+        std = np.hypot([one.x_std_m, one.y_std_m], 0.001 / 12**0.5)
+        normalised += list((np.array([one.x_m, one.y_m]) - (0.03, 0.0)) / std)
+    assert 0.5 < np.std(normalised) < 1.3
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_nothing_is_found_in_exact_lengths(seed):
+    assert found_in(circles(seed)) == {}
+
+
+def test_a_keypoint_displaced_on_the_body_is_not_displaced_in_the_pool():
+    for along, across in ((0.01, 0.0), (0.0, 0.01)):
+        trials = []
+        for one in circles(2):
+            axis = one.part("hinge") - one.part("tail_base")
+            axis /= np.linalg.norm(axis, axis=1)[:, None]
+            xy = one.xy_m.copy()
+            xy[:, 2] += along * axis + across * np.column_stack([-axis[:, 1], axis[:, 0]])
+            trials.append(Positions(one.time_s, PARTS, xy, one.cov_m2, one.likelihood))
+        assert found_in(trials) == {}
+
+
+def test_a_stretched_picture_displaces_no_keypoint():
+    middle = np.array([1.3, 0.8])
+    trials = []
+    for one in circles(3):
+        out = one.xy_m - middle
+        radial = 1.0 + 0.03 * np.sum(out**2, axis=2, keepdims=True)
+        trials.append(
+            Positions(one.time_s, PARTS, middle + out * radial, one.cov_m2, one.likelihood)
+        )
+    assert found_in(trials) == {}
+
+
+def test_straight_trials_in_one_direction_show_no_displacement():
+    """They cannot tell a displacement in the pool from one on the body."""
+    one = circle_with_noise(0.0, 5)
+    moved = without_displacements(one, {"hinge": (-0.01, 0.0)})
+    assert found_in([moved] * 3) == {}
+
+
+def test_two_keypoints_are_no_evidence():
+    one = circle_with_noise(0.3, 1)
+    pair = Positions(one.time_s, PARTS[1:3], one.xy_m[:, 1:3], one.cov_m2[:, 1:3],
+                     one.likelihood[:, 1:3])  # fmt: skip
+    assert found_in([pair]) == {}
+
+
+def test_tracks_of_a_study_are_corrected(tmp_path):
+    """A study whose hinge lies ten pixels to the right in all files: poses as without that."""
+    heads = []
+    for name, shift in (("right", 0.0), ("moved", 10.0)):
+        study, results = small_study(tmp_path / name / "study"), tmp_path / name / "results"
+        loaded = load_study(study)
+        for trial in loaded.trials:
+            path = loaded.paths(trial)[0]
+            seen = read_keypoints_of_trial(path, trial)
+            xy = seen.xy_px.copy()
+            xy[:, seen.names.index("hinge"), 0] += shift
+            write_keypoints_csv(path, replace(seen, xy_px=xy))
+        for trial_id in SMALL_STUDY_TRIALS:
+            keypoints(study, results, trial_id)
+        geometry(study, results)
+        displaced = json.loads((results / "geometry.json").read_text())["keypoint_displacements"]
+        assert list(displaced) == (["hinge"] if shift else [])
+        for trial_id in SMALL_STUDY_TRIALS:
+            tracks(study, results, trial_id)
+        heads.append(read_pose(results / f"poses/{SMALL_STUDY_TRIALS[-1]}.csv").values[:, 3])
+    assert np.nanmedian(np.abs(heads[1] - heads[0])) < 0.01
+
+
+def test_the_verdict_names_keypoint_bias_first():
+    displaced = {"hinge": {"x_m": 0.0, "y_m": -0.012, "x_std_m": 2e-4, "y_std_m": 3e-4,
+                           "sigmas": 40.0}}  # fmt: skip
+    on_body = {"name": "keypoint_bias", "weight": 0.9, "parameters": {"left_offset": {"value": 1}}}
+    other = {"name": "stall", "weight": 0.9, "parameters": {}}
+    content = EMPTY_VERDICT | {"causes": [other, on_body]}
+    result = with_keypoint_bias_cause(content, displaced)
+    assert [c["name"] for c in result["causes"]] == ["keypoint_bias", "stall"]
+    assert "hinge by 12 mm, -90 degrees from the x axis" in result["sentence"]
+    assert result["causes"][0]["parameters"].keys() == {"hinge_x", "hinge_y", "left_offset"}
+    assert result["probabilities"]["keypoint_bias"] == 1.0
+    assert with_keypoint_bias_cause(content, {}) == content

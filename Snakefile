@@ -66,8 +66,18 @@ rule keypoints:
     shell: "python3 -P -m bluekoi stage keypoints {params.at} --code {params.code} {params.trials} --threads {threads} --done {output:q} &> {log:q}"
 
 
-rule geometry:
+rule keypoint_errors:
     input: plan.markers("keypoints"),
+    output: R / "status/stages/keypoint_errors.json",
+    conda: ENV
+    log: LOGS / "keypoint_errors.log"
+    params: at=AT, code=plan.code_fingerprint("keypoint_errors"), settings=plan.geometry_fingerprint(),
+    resources: mem_mb=900, runtime=20,
+    shell: "python3 -P -m bluekoi stage keypoint_errors {params.at} &> {log:q}"
+
+
+rule geometry:
+    input: plan.markers("keypoints"), plan.keypoint_errors_file(),
     output: R / "geometry.json",
     conda: ENV
     log: LOGS / "geometry.log"
@@ -77,7 +87,7 @@ rule geometry:
 
 
 rule tracks:
-    input: plan.keypoints_marker, plan.geometry_file(),
+    input: plan.keypoints_marker, plan.keypoint_errors_file(), plan.depth_file(),
     output: R / "status/batches/tracks-{batch}",
     conda: ENV
     log: LOGS / "tracks/{batch}.log"

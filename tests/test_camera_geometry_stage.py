@@ -20,8 +20,8 @@ from bluekoi.campaign import Campaign, load_campaign
 from bluekoi.data import read_track
 from bluekoi.figures import draw
 from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial, write_keypoints_csv
+from bluekoi.stages.depth import keypoint_depth
 from bluekoi.stages.geometry import geometry
-from bluekoi.stages.geometry_results import keypoint_depth
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.layout import ResultPaths
 from bluekoi.stages.tracks import tracks

@@ -17,6 +17,7 @@ from bluekoi.data import Positions, read_pose
 from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial, write_keypoints_csv
 from bluekoi.mismatch.displaced_keypoints import with_keypoint_bias_cause
 from bluekoi.stages.geometry import geometry
+from bluekoi.stages.keypoint_errors import keypoint_errors
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.tracks import tracks
 from bluekoi.study import Robot, load_study
@@ -136,6 +137,7 @@ def test_tracks_of_a_study_are_corrected(tmp_path):
             write_keypoints_csv(path, replace(seen, xy_px=xy))
         for trial_id in SMALL_STUDY_TRIALS:
             keypoints(study, results, trial_id)
+        keypoint_errors(study, results)
         geometry(study, results)
         displaced = json.loads((results / "geometry.json").read_text())["keypoint_displacements"]
         assert list(displaced) == (["hinge"] if shift else [])

@@ -187,6 +187,22 @@ def test_the_error_of_the_recoil_counts_where_it_builds_up(
     np.testing.assert_array_equal(np.isfinite(other.seen), np.isfinite(one.seen))
 
 
+def test_the_start_of_smoothed_keypoints_is_left_out(published_model_study: MeasuredStudy) -> None:
+    """The rest of the trial begins while the robot swims; of a short trial nothing is left out."""
+    trial, t = published_model_study.study.trials[0], np.arange(150) / 30
+    values = np.column_stack([0.5 + 0.02 * t**2, np.full(150, 0.8), np.zeros(150), np.zeros(150)])
+    pose = Pose(t, values, np.tile(np.diag([2e-4, 2e-4, 1.6e-3, 1.6e-3]) ** 2, (150, 1, 1)))
+    flapping = published_model_study.flapping[trial.trial_id]
+    given = (trial, published_model_study.study.setup, pose, smooth_pose(pose, flapping.flap_hz))
+    whole, rest, all_of_it = (
+        trial_series(*given, flapping, skipped_s=skipped) for skipped in (0.0, 0.5, 60.0)
+    )
+    assert rest.times[0] == pytest.approx(whole.times[0] + 0.5, abs=0.04)
+    assert rest.mean[3] > whole.mean[3]
+    assert rest.constants[two_plate_system().constants.index("t_start")] < -100.0
+    np.testing.assert_array_equal(all_of_it.times, whole.times)
+
+
 def test_random_forces_go_with_the_flapping_frequency(
     published_model_study: MeasuredStudy,
 ) -> None:

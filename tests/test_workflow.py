@@ -35,13 +35,14 @@ from bluekoi.stages.outcome import outcome
 from bluekoi.study import load_study
 from bluekoi.workflow import plan as plan_module
 from bluekoi.workflow import provenance
+from bluekoi.workflow.figure_sources import figure_names
 from bluekoi.workflow.forkserver_client import (
     ADDRESS_ENVIRONMENT_VARIABLE,
     EXIT_RUN_ENDED,
     request_stage,
 )
 from bluekoi.workflow.lock import acquire_lock, remove_stale_locks, remove_temporary_files
-from bluekoi.workflow.plan import figure_names, make_plan
+from bluekoi.workflow.plan import make_plan
 from bluekoi.workflow.progress import (
     SnakemakeMessageFilter,
     SnakemakeProgressHandler,

@@ -24,7 +24,7 @@ from typing import Any
 
 from .isolation import deny_reading
 
-MEASURED_STAGES = ("keypoints", "geometry", "tracks", "steady")
+MEASURED_STAGES = ("keypoints", "keypoint_errors", "geometry", "tracks", "steady")
 """Stages from a study folder to its tracks."""
 ANALYSED_STAGE = "mismatch"
 SCRATCH_FOLDER = "scratch"

@@ -70,6 +70,12 @@ class Campaign:
         return found
 
     @property
+    def keypoint_smoothing_s(self) -> float:
+        """Duration over which the keypoints were smoothed before they were read, or 0."""
+        found = (self.geometry or {}).get("keypoint_smoothing")
+        return float(found["duration_s"]) if found else 0.0
+
+    @property
     def has_additions(self) -> bool:
         """Whether causes were added to the model; if not, there is no extended model."""
         causes = (self.mismatch or {}).get("causes") or []

@@ -65,9 +65,19 @@ def warnings_after_run(
     and mismatch.json.
     """
     failed = [name for name, status in statuses.items() if not status.get("ok")]
+    if (geometry or {}).get("keypoint_smoothing"):
+        statuses = {i: _without_distorted_numbers(one) for i, one in statuses.items()}
     return [
         *trial_warnings(study, statuses),
         *unchecked_clock_notes(study),
         *length_warnings(geometry, mismatch, study.setup.water.refractive_index, failed=failed),
         *inertia_warnings(study.setup.robot, mismatch),
     ]
+
+
+def _without_distorted_numbers(status: Mapping[str, Any]) -> dict[str, Any]:
+    """Status of a trial without the numbers that smoothed keypoints distort: the excursion of the
+    tail tip, and lengths in turns.
+    """
+    swimming = {k: v for k, v in (status.get("swimming") or {}).items() if k != "strouhal"}
+    return {**status, "swimming": swimming, "turned_picture": {}}

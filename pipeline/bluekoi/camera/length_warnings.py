@@ -9,6 +9,7 @@ import numpy as np
 
 from ..data.majority import deviations_from_majority
 from ..study.setup_warnings import INDEX_OF_WATER, MAX_INDEX_DIFFERENCE
+from .keypoint_smoothing import CAUSES_HIDDEN_BY_SMOOTHING
 from .rigid_distances import STATED_LENGTH_STD_SHARE
 
 WARN_ABOVE_SIGMAS = 5.0
@@ -39,6 +40,7 @@ def length_warnings(
     named = {c["name"] for c in causes if c.get("weight", 1.0) >= MIN_CAUSE_PROBABILITY}
     return [
         *_unseen_tail_end_warnings(geometry or {}, failed),
+        *_smoothing_warnings(geometry or {}),
         *_scale_warnings(geometry or {}, named),
         *_camera_error_warnings(geometry or {}, named, refractive_index),
         *_deviating_trial_warnings(geometry),
@@ -62,6 +64,18 @@ def _unseen_tail_end_warnings(
             f"Trial {name}: no frame shows the end of the robot's tail near the position that "
             "study.yaml gives, while most other recordings do. Was its picture zoomed, cropped or "
             "taken by another camera, or is head_length_m not this trial's?"
+        )
+
+
+def _smoothing_warnings(geometry: Mapping[str, Any]) -> Iterator[str]:
+    if smoothing := geometry.get("keypoint_smoothing"):
+        yield (
+            "The robot's rigid lengths become shorter in fast turns, as if the keypoints had been "
+            f"averaged over {smoothing['duration_s']:.2f} s. The start of each trial is left out "
+            "of the fits for this duration, and causes that act as briefly "
+            f"({', '.join(CAUSES_HIDDEN_BY_SMOOTHING)}) are not judged. Use the files as the "
+            "network wrote them, before any smoothing or filter over time (DeepLabCut: those "
+            "without `_filtered` in their name)."
         )
 
 

@@ -100,9 +100,13 @@ def find_mismatch(
     series: Sequence[TrialSeries],
     steady: Mapping[str, SteadyState],
     *,
+    smoothed_keypoints: bool = False,
     progress: Callable[[str], None],
 ) -> MismatchResult:
-    """`MismatchResult` for the measured trials of a study."""
+    """`MismatchResult` for the measured trials of a study.
+
+    smoothed_keypoints: of `robot_problem`.
+    """
     kernel = trial_kernel(series)
     held_out = held_out_trials(study, [s.name for s in series])
     progress("baseline")
@@ -122,7 +126,8 @@ def find_mismatch(
     searched = downsampled_with_head_angle_changes(train_frames, SEARCH_RATE_HZ)
     camera = study.setup.camera
     problem = robot_problem(kernel, searched, baseline, displaced=displaced, progress=progress,
-                            by_homography=camera is not None and camera.matrix is None)  # fmt: skip
+                            by_homography=camera is not None and camera.matrix is None,
+                            smoothed_keypoints=smoothed_keypoints)  # fmt: skip
     visited = search_cause_sets(problem, baseline.fit.by_label())
     problem = visited.problem
     fitted = list(visited.sets.values())

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..camera.keypoint_smoothing import CAUSES_HIDDEN_BY_SMOOTHING
 from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE
 from ..engine import CauseSearchProblem, PriorInclusionProbabilities, candidates_by_effect_name
 from ..fitting import Noise, TrialEffect, TrialSeries
@@ -64,6 +65,7 @@ def robot_problem(
     *,
     displaced: Sequence[CameraDisplacement],
     by_homography: bool = False,
+    smoothed_keypoints: bool = False,
     progress: Callable[[str], None],
 ) -> CauseSearchProblem:
     """`CauseSearchProblem` of a campaign.
@@ -74,9 +76,12 @@ def robot_problem(
     moments were chosen from many, which lowers its prior probability, as that of a wrong clock in
     some trials, which were split at one of as many places as there are trials. by_homography:
     whether the camera has no matrix, so that the keypoints' depth is not corrected.
+    smoothed_keypoints: whether the keypoints were smoothed before they were read; then
+    `CAUSES_HIDDEN_BY_SMOOTHING` are not candidates.
     """
     system, units = kernel.system, robot_units_of_trials(series)
-    left_out = undetermined_causes(system, series)
+    smoothed = CAUSES_HIDDEN_BY_SMOOTHING if smoothed_keypoints else ()
+    left_out = {*undetermined_causes(system, series), *smoothed}
     names = [e.name for e in system.effects if e.kind in CAUSE_KINDS and e.name not in left_out
              and (displaced or e.name != CAMERA_SHIFT_EFFECT)]  # fmt: skip
     odds = PRIOR_INCLUSION_PROBABILITIES.cause * np.exp(

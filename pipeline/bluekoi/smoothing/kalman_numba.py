@@ -77,10 +77,15 @@ def smooth_backward(
 
     means (n, d), covs (n, d, d): before each measurement. inverses (n, p, p), innovations (n, p):
     S^-1 and y where used.
+
+    A smoothed variance is the difference of the predicted one, C, and C L C. It is known to the
+    rounding of C, and is at least that.
     """
-    return SmoothedStates(
-        *_adjoints_backward(model.F, model.H, means, covs, inverses, innovations, used)
-    )
+    x, P = _adjoints_backward(model.F, model.H, means, covs, inverses, innovations, used)
+    diagonal = np.arange(P.shape[1])
+    rounding = np.finfo(np.float64).eps * covs[:, diagonal, diagonal]
+    P[:, diagonal, diagonal] = np.maximum(P[:, diagonal, diagonal], rounding)
+    return SmoothedStates(x, P)
 
 
 @njit(cache=True)

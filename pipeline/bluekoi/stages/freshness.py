@@ -16,7 +16,8 @@ from typing import Any
 from ..errors import InputError
 from ..files import read_json
 from ..study import Study, Trial
-from .geometry_results import keypoint_depth, keypoint_displacement_vectors
+from .depth import keypoint_depth
+from .keypoint_errors import displacement_vectors_m
 from .layout import ResultPaths
 
 MAX_COMPARED_BYTES = 2**20
@@ -79,7 +80,7 @@ def _motion_inputs(study: Study, trial: Trial, layout: ResultPaths) -> list[Any]
     log = study.motor_path(trial)
     depth_m = keypoint_depth(study.setup, layout)
     given = study.setup.robot.depth_given
-    displaced = keypoint_displacement_vectors(trial, layout)
+    displaced = displacement_vectors_m(trial, layout)
     files = [file_state(path) for path in (layout.detection(trial.trial_id), log) if path]
     return [without_keys(trial_row(trial), "role"), setup, given, depth_m, displaced, files]
 

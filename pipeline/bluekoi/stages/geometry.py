@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..camera import map_keypoints, pool_camera
 from ..camera.geometry_hypotheses import HypothesisFit
-from ..camera.keypoint_displacement import (
-    KeypointDisplacement,
-    keypoint_displacements,
-    vectors_m,
-    without_displacements,
-)
+from ..camera.keypoint_displacement import without_displacements
+from ..camera.keypoint_smoothing import without_smoothing
 from ..camera.length_windows import windows_to_columns
 from ..camera.pool_projection import PoolCamera
-from ..camera.rigid_distances import CameraGeometry
+from ..camera.rigid_distances import CameraGeometry, rigid_distances
 from ..camera.rigid_length_check import (
     GeometryCheck,
-    check_camera_geometry,
     check_rigid_distances,
     estimate_depth,
 )
@@ -30,11 +24,16 @@ from ..camera.whole_length import WHOLE_LENGTH_LABEL, systematic_length_error_sh
 from ..data import Positions
 from ..errors import InputError
 from ..files import read_json, write_json
-from ..keypoints.deeplabcut import read_detections
-from ..study import Robot, Study, Trial, load_study
+from ..study import Study, Trial, load_study
 from ..study.keypoint_depth import select_keypoint_depth_m
+from .keypoint_errors import displacement_vectors_m, read_keypoint_errors
 from .layout import ResultPaths
-from .status import has_measured_lengths, successful_trials
+from .mapped_keypoints import (
+    mapped_keypoint_positions,
+    trial_camera,
+    trials_with_measured_lengths,
+)
+from .status import successful_trials
 
 LENGTHS_NOT_MEASURED = (
     "the keypoints were placed at the lengths of study.yaml, which say nothing of scale, lens or "
@@ -65,14 +64,15 @@ def geometry(study: Path, results: Path) -> None:
     lengths that the likely error leaves. map: relative error of the distances over the
     pool, and what the likely error predicts there. windows: means of the distances over half a
     second, which the mismatch stage compares errors of the camera with. keypoint_displacements:
-    constant vectors in the pool, which are subtracted here and in the tracks. tail_end_seen: False
+    constant vectors in the pool, which are subtracted here and in the tracks. keypoint_smoothing:
+    the smoothing of the keypoints that lengths of turning parts show. tail_end_seen: False
     where no frame shows the body's whole length; trials_without_tail_end: those of which no frame
     does while most others have such frames.
     """
     loaded, layout = load_study(study), ResultPaths(results)
     ids = [trial.trial_id for trial in loaded.trials]
     good = successful_trials([layout.detection(trial_id) for trial_id in ids])
-    measured = [name for name in good if has_measured_lengths(layout.detection(name))]
+    measured = trials_with_measured_lengths(loaded, layout)
     check = _check_by_whole_lengths if good and not measured else _check_by_rigid_parts
     try:
         found = check(loaded, [loaded.trial(name) for name in measured or good], layout)
@@ -87,24 +87,24 @@ def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: ResultPaths
     setup, depth = study.setup, study.setup.robot.keypoint_depth_m
     if not trials:
         return _impossible_geometry_check_json("no trial with keypoints")
-    camera = _trial_camera(study, trials[0], layout)
+    camera = trial_camera(study, trials[0], layout)
     lengths = [trial.head_length_m for trial in trials]
-    mapped = _mapped_keypoint_positions(camera, trials, layout, depth)
-    displaced = _displacements_in_keypoint_files(trials, mapped, setup.robot)
-    placed = _without_displacements(trials, mapped, displaced)
+    placed = _placed_keypoints(camera, trials, layout, depth)
     estimate, std = (depth, 0.0) if camera.lens is None else estimate_depth(
         camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
     )  # fmt: skip
     if (used := select_keypoint_depth_m(setup, estimate, std)) != depth:
-        depth, mapped = used, _mapped_keypoint_positions(camera, trials, layout, used)
-        placed = _without_displacements(trials, mapped, displaced)
-    check = check_camera_geometry(
-        camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
-    )
+        depth, placed = used, _placed_keypoints(camera, trials, layout, used)
+    distances = rigid_distances(placed, lengths, setup.robot)
+    errors = read_keypoint_errors(layout)
+    if errors["smoothing"]:
+        distances = without_smoothing(distances, errors["smoothing"]["variance_s2"])
+    check = check_rigid_distances(CameraGeometry(camera, depth), distances)
     return {
         **_geometry_check_json(check, trials),
         "measured": "rigid parts",
-        "keypoint_displacements": {name: asdict(found) for name, found in displaced.items()},
+        "keypoint_displacements": errors["displacements"],
+        "keypoint_smoothing": errors["smoothing"],
         "depth_m": depth,
         "depth_estimate_m": estimate if std else None,
         "depth_estimate_std_m": std or None,
@@ -125,9 +125,9 @@ def _check_by_whole_lengths(
         found = _impossible_geometry_check_json(f"{LENGTHS_NOT_MEASURED}{why}")
         return {**found, "tail_end_seen": False} if kept else found
     unseen = [t.trial_id for t, pairs in zip(trials, recorded, strict=True) if pairs == []]
-    camera = _trial_camera(study, trials[0], layout)
+    camera = trial_camera(study, trials[0], layout)
     distances = whole_lengths(
-        _mapped_keypoint_positions(camera, trials, layout, depth),
+        mapped_keypoint_positions(camera, trials, layout, depth),
         [np.array(pairs, dtype=np.float64) for pairs in seen],
         [trial.head_length_m for trial in trials],
         setup.robot,
@@ -151,38 +151,16 @@ def _check_by_whole_lengths(
     }
 
 
-def _trial_camera(study: Study, trial: Trial, layout: ResultPaths) -> PoolCamera:
-    size = read_json(layout.detection(trial.trial_id)).get("size_px")
-    return pool_camera(study.setup, (size[0], size[1]) if size else None)
-
-
-def _mapped_keypoint_positions(
-    camera: PoolCamera, trials: list[Trial], layout: ResultPaths, depth_m: float
+def _placed_keypoints(
+    camera: PoolCamera, trials: Sequence[Trial], layout: ResultPaths, depth_m: float
 ) -> list[Positions]:
-    found = (read_detections(layout.keypoints(trial.trial_id), trial) for trial in trials)
-    return [map_keypoints(camera, one, depth_m) for one in found]
-
-
-def _displacements_in_keypoint_files(
-    trials: Sequence[Trial], mapped: Sequence[Positions], robot: Robot
-) -> dict[str, KeypointDisplacement]:
-    """Displacements by keypoint, from the trials whose keypoints are read from files."""
-    read = [(one, trial.head_length_m) for trial, one in zip(trials, mapped, strict=True)
-            if trial.reads_keypoints]  # fmt: skip
-    if not read:
-        return {}
-    positions, head_lengths_m = zip(*read, strict=True)
-    return keypoint_displacements(positions, head_lengths_m, robot)
-
-
-def _without_displacements(
-    trials: Sequence[Trial],
-    mapped: Sequence[Positions],
-    displaced: Mapping[str, KeypointDisplacement],
-) -> list[Positions]:
-    vectors = vectors_m(displaced)
-    return [without_displacements(one, vectors) if trial.reads_keypoints else one
-            for trial, one in zip(trials, mapped, strict=True)]  # fmt: skip
+    """Positions without the displacements that the rigid lengths showed."""
+    return [
+        without_displacements(one, displacement_vectors_m(trial, layout))
+        for trial, one in zip(
+            trials, mapped_keypoint_positions(camera, trials, layout, depth_m), strict=True
+        )
+    ]
 
 
 def _geometry_check_json(check: GeometryCheck, trials: Sequence[Trial]) -> dict[str, Any]:

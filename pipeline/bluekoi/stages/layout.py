@@ -60,6 +60,11 @@ class ResultPaths:
         return (*stages, *(path(trial_id) for path in own), *paths)
 
     @property
+    def keypoint_errors(self) -> Path:
+        """Errors of keypoint files that the rigid distances show."""
+        return self.root / "status" / "stages" / "keypoint_errors.json"
+
+    @property
     def geometry(self) -> Path:
         """What the rigid distances say about scale, lens, pose and depth."""
         return self.root / "geometry.json"

@@ -68,7 +68,10 @@ def mismatch(study: Path, results: Path) -> None:
         order=[trial.trial_id for trial in loaded.trials],
     )  # fmt: skip
     series = with_keypoint_distances_from_nose(series, ResultPaths(results))
-    found = find_mismatch(loaded, series, campaign.steady, progress=stage_logger.info)
+    found = find_mismatch(
+        loaded, series, campaign.steady, progress=stage_logger.info,
+        smoothed_keypoints=campaign.keypoint_smoothing_s > 0,
+    )  # fmt: skip
     kernel = trial_kernel(series)
     series = with_displacement_constants(kernel, series, found.displacements)
     runs = free_runs(kernel, series, found.extended.trial_values(kernel, series))

@@ -35,8 +35,9 @@ from ..smoothing.systematic_error import with_systematic_error
 from ..steady import steady_state, write_steady
 from ..study import Study, Trial, load_study
 from .compiling import precompile_smoother as preload
-from .geometry_results import keypoint_depth, keypoint_displacement_vectors
+from .depth import keypoint_depth
 from .head_angle_sign import head_angle_sign_finding
+from .keypoint_errors import displacement_vectors_m
 from .layout import ResultPaths
 from .pool_edges import check_pool_edges
 from .status import run_with_status
@@ -72,7 +73,7 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
         check_within_picture(study.paths(trial)[0], found, study.setup.camera.image_size_px)
     depth = keypoint_depth(study.setup, layout)
     mapped = without_displacements(
-        map_keypoints(camera, found, depth), keypoint_displacement_vectors(trial, layout)
+        map_keypoints(camera, found, depth), displacement_vectors_m(trial, layout)
     )
     positions, exchanged = undo_head_tail_exchanges(mapped, study.setup.robot, trial.head_length_m)
     try:

@@ -54,7 +54,8 @@ def campaign_series(
 ) -> list[TrialSeries]:
     """Trials of a campaign as the fit takes them; flapping: `campaign_flapping` without it.
 
-    Not a robot that never moved, nor `contradicted_trials`.
+    Not a robot that never moved, nor `contradicted_trials`, nor the start of trials whose keypoints
+    were smoothed: the smoothing spreads the start over its duration.
 
     Raises: InputError where no trial can be used.
     """
@@ -62,7 +63,8 @@ def campaign_series(
     flapping = campaign_flapping(campaign) if flapping is None else flapping
     kept = moved - contradicted_trials(campaign, flapping).keys()
     tracks = {i: track for i, track in campaign.tracks.items() if i in kept}
-    series = study_series(campaign.study, campaign.poses, tracks, flapping)
+    series = study_series(campaign.study, campaign.poses, tracks, flapping,
+                          skipped_s=campaign.keypoint_smoothing_s)  # fmt: skip
     if not series:
         raise input_error(campaign.study.root, "", "no trial with a track", "one or more",
                     "See status/ in the results folder for what each trial lacks.")  # fmt: skip

@@ -46,13 +46,18 @@ def study_series(
     poses: Mapping[str, Pose],
     tracks: Mapping[str, Track],
     flapping: Mapping[str, FlappingFrequency],
+    *,
+    skipped_s: float = 0.0,
 ) -> list[TrialSeries]:
-    """A `TrialSeries` for every trial that has a pose, a track and a flapping frequency."""
+    """A `TrialSeries` for every trial that has a pose, a track and a flapping frequency.
+
+    skipped_s: of `trial_series`.
+    """
     before = [0.0, *(trial.head_angle_rad for trial in study.trials)]
     places = session_places(len(study.trials))
     return [
         trial_series(trial, study.setup, poses[i], tracks[i], flapping[i], angle_before_rad=angle,
-                     session_place=float(place))
+                     session_place=float(place), skipped_s=skipped_s)
         for trial, angle, place in zip(study.trials, before, places, strict=False)
         for i in [trial.trial_id]
         if i in poses and i in tracks and i in flapping
@@ -66,11 +71,12 @@ def session_places(trials: int) -> Float:
 
 def trial_series(
     trial: Trial, setup: StudySettings, pose: Pose, track: Track, flapping: FlappingFrequency, *,
-    angle_before_rad: float = 0.0, session_place: float = 0.5,
+    angle_before_rad: float = 0.0, session_place: float = 0.5, skipped_s: float = 0.0,
 ) -> TrialSeries:  # fmt: skip
     """One trial: poses without the tail-beat recoil, outliers and frames that were hardly seen, and
     what was commanded, from the start of the motor on. angle_before_rad: head angle commanded in
-    the trial before. session_place: place of the trial in the session, from 0 to 1.
+    the trial before. session_place: place of the trial in the session, from 0 to 1. skipped_s:
+    duration after the first frame that is left out of trials more than twice as long.
 
     The initial state is that of the track, known to `INITIAL_STATE_STD`; at rest, its velocities
     are 0, known to `RESTING_VELOCITY_STD`.
@@ -80,7 +86,8 @@ def trial_series(
     """
     started = float(np.nan_to_num(flapping.start_s))
     started = started if started < 0.5 * track.time_s[-1] else 0.0
-    first = max(track.time_s[0], pose.time_s[0] + started) - 1e-6
+    skipped = skipped_s if 2.0 * skipped_s < np.ptp(track.time_s) else 0.0
+    first = max(track.time_s[0] + skipped, pose.time_s[0] + started) - 1e-6
     last = track.time_s[-1] + 1e-6
     inside = (pose.time_s >= first) & (pose.time_s <= last)
     times = pose.time_s[inside]
@@ -95,7 +102,8 @@ def trial_series(
     noise += _recoil_covariance(times, track, flapping.flap_hz)
     seen[unusable] = np.nan
     noise[unusable] = np.eye(4)
-    start, swims = _initial_state_from_track(times, track), _swims_in_first_frame(track)
+    start = _initial_state_from_track(times, track)
+    swims = skipped > 0 or _swims_in_first_frame(track)
     start_std = INITIAL_STATE_STD.copy()
     if not swims and started >= 0.0:
         start[3:], start_std[3:] = 0.0, RESTING_VELOCITY_STD

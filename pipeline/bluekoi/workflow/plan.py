@@ -6,7 +6,6 @@ batches: a batch has a marker file, and runs when one of its trials is out of da
 
 from __future__ import annotations
 
-import ast
 import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,7 +24,8 @@ from ..stages.freshness import (
 )
 from ..stages.layout import ResultPaths
 from ..study import Study, load_study
-from .provenance import PACKAGE_FOLDER, source_fingerprint
+from .figure_sources import figure_fingerprint, figure_names, figure_title_and_caption
+from .provenance import source_fingerprint
 
 RESULT_FILES = (
     "geometry.json", "steady.csv", "coefficients.json", "table1.csv", "table2.csv",
@@ -174,13 +174,14 @@ class Plan:
         """Pictures of all figures."""
         return [str(self.results / f"figures/{name}.png") for name in figure_names()]
 
-    def geometry_file(self) -> list[str]:
-        """File with what tracks need of the geometry check: the depth of the keypoints where
-        study.yaml does not give it, and their displacements where they come from files.
-        """
-        from_files = any(trial.reads_keypoints for trial in self.study.trials)
-        needed = from_files or not self.study.setup.robot.depth_given
-        return [str(self.results / "geometry.json")] if needed else []
+    def keypoint_errors_file(self) -> list[str]:
+        """File with the errors of keypoint files, where trials are read from such files."""
+        read = any(trial.reads_keypoints for trial in self.study.trials)
+        return [str(ResultPaths(self.results).keypoint_errors)] if read else []
+
+    def depth_file(self) -> list[str]:
+        """File with the estimated depth of the keypoints, where study.yaml does not give it."""
+        return [] if self.study.setup.robot.depth_given else [str(self.results / "geometry.json")]
 
     def figure_inputs(self, wildcards: Any) -> list[str]:
         """What a figure is drawn from beside the fits and the search."""
@@ -210,29 +211,6 @@ class Plan:
         """Fingerprint of what the fits depend on beside tracks: setup, conditions, roles."""
         rows = [trial_row(trial) for trial in self.study.trials]
         return short_hash(rows, without_keys(self.study.setup.model_dump(mode="json"), "detection"))
-
-
-def figure_names() -> list[str]:
-    """Names of the figures: the modules of pipeline/bluekoi/figures."""
-    names = (path.stem for path in (PACKAGE_FOLDER / "figures").glob("*.py"))
-    return sorted(name for name in names if not name.startswith("_"))
-
-
-def figure_fingerprint(name: str) -> str:
-    """Fingerprint of one figure's own file and of what it draws with."""
-    return source_fingerprint("stages.figure", f"figures.{name}")
-
-
-def figure_title_and_caption(name: str) -> dict[str, str]:
-    """Title and caption of a figure, read from its file without running it."""
-    texts = {
-        node.targets[0].id: node.value
-        for node in ast.parse((PACKAGE_FOLDER / f"figures/{name}.py").read_bytes()).body
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
-    }
-    return {
-        name: ast.literal_eval(texts[f"FIGURE_{name.upper()}"]) for name in ("title", "caption")
-    }
 
 
 def make_plan(settings: Mapping[str, Any]) -> Plan:

@@ -14,13 +14,15 @@ from ..errors import InputError
 from ..files import read_json, write_json
 from ..stages.freshness import short_hash
 from ..stages.layout import ResultPaths, remove_files
-from .plan import Plan, figure_fingerprint, figure_names, figure_title_and_caption
+from .figure_sources import figure_fingerprint, figure_names, figure_title_and_caption
+from .plan import Plan
 
 
 def stage_input_hashes(plan: Plan) -> dict[str, str]:
     """Hash of what each stage on the whole study depends on, beside the results before it."""
     code, fits = plan.code_fingerprint, plan.fit_fingerprint()
     hashes = {
+        "keypoint_errors": short_hash(code("keypoint_errors"), plan.geometry_fingerprint()),
         "geometry": short_hash(code("geometry"), plan.geometry_fingerprint()),
         "steady": short_hash(code("steady"), plan.trials),
         "tuning": short_hash(code("tuning"), fits),
@@ -73,6 +75,7 @@ def _input_record_path(plan: Plan) -> Path:
 def _result_files_of_stage(results: Path, stage: str) -> list[Path]:
     layout = ResultPaths(results)
     own = {
+        "keypoint_errors": [layout.keypoint_errors],
         "geometry": [layout.geometry],
         "steady": [layout.steady],
         "tuning": layout.of_tuning,

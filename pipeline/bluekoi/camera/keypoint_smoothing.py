@@ -1,0 +1,98 @@
+"""Keypoints that were smoothed over time before they were given to BlueKoi.
+
+Let the smoothing be a weighted mean over time whose weights have the standard deviation s. For a
+moving average over the duration T, s = T / sqrt(12). A rigid length that turns at the yaw rate r is
+then averaged over directions, and becomes shorter:
+
+    y = -(r s)^2 L / 2    for r s << 1.
+
+Nothing else shortens rigid lengths in proportion to the square of the yaw rate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..data import Float
+from .keypoint_displacement import displacement_patterns
+from .length_regression import (
+    DISPLACEMENT_STD_SHARE,
+    directions_of_lengths,
+    length_of_core_m,
+    regress_lengths,
+)
+from .length_windows import window_means
+from .rigid_distances import RigidDistances
+
+MIN_SIGMAS = 5.0
+"""Standard errors from 0 beyond which keypoints count as smoothed. Fifteen studies of `campus_pool`
+5841, `tidal_lock` 9402 and `leading_plate` 5701 with raw keypoints reach 3.3."""
+MAX_SMOOTHING_S = 1.0
+"""Three prior standard deviations of T; longer smoothing leaves no turn of the published robot."""
+MIN_WINDOWS_OF_A_LENGTH = 3
+
+CAUSES_HIDDEN_BY_SMOOTHING = ("lift_lag", "motor_spin_up", "servo_lag", "time_offset")
+"""Causes that act for a fraction of a second after a sudden change. Smoothing makes all changes
+slow in the same way."""
+
+
+@dataclass(frozen=True)
+class KeypointSmoothing:
+    """Duration of the moving average that shortens lengths as they are found.
+
+    variance_s2: s^2, of the weights. sigmas: distance of s^2 from 0 in standard errors.
+    """
+
+    duration_s: float
+    variance_s2: float
+    sigmas: float
+
+
+def keypoint_smoothing(distances: RigidDistances) -> KeypointSmoothing | None:
+    """The smoothing that rigid lengths (n,) of all trials show; None where they show none."""
+    windows = window_means(distances)
+    rates = yaw_rates_of_lengths(windows, windows)
+    known = np.isfinite(rates)
+    windows, rates = windows.select(known), rates[known]
+    if not len(rates):
+        return None
+    displaced = [p for p in displacement_patterns(windows).values() if p.any()]
+    columns = np.column_stack([-0.5 * windows.known_m * rates**2, *displaced])
+    std_m = DISPLACEMENT_STD_SHARE * length_of_core_m(windows)
+    stds = np.full(columns.shape[1], std_m)
+    stds[0] = MAX_SMOOTHING_S**2 / 12.0 / 3.0
+    estimate, cov = regress_lengths(windows, columns, stds)
+    sigmas = float(estimate[0] / np.sqrt(cov[0, 0]))
+    if sigmas < MIN_SIGMAS:
+        return None
+    return KeypointSmoothing(float(np.sqrt(12.0 * estimate[0])), float(estimate[0]), sigmas)
+
+
+def without_smoothing(distances: RigidDistances, variance_s2: float) -> RigidDistances:
+    """Lengths as they would be without a smoothing of this variance of the weights, s^2."""
+    rates = np.nan_to_num(yaw_rates_of_lengths(window_means(distances), distances))
+    lost = 0.5 * distances.known_m * variance_s2 * rates**2
+    return replace(distances, excess_m=distances.excess_m + lost)
+
+
+def yaw_rates_of_lengths(windows: RigidDistances, at: RigidDistances) -> Float:
+    """Yaw rate (n,) of each length of `at`, rad/s, from the directions of consecutive windows.
+
+    windows: means over short windows. NaN for lengths with fewer than `MIN_WINDOWS_OF_A_LENGTH` in
+    their trial.
+    """
+    along = directions_of_lengths(windows)
+    angle = np.arctan2(along[:, 1], along[:, 0])
+    rates = np.full(len(at.excess_m), np.nan)
+    for trial, pair in np.unique(np.column_stack([windows.trial, windows.pair]), axis=0):
+        own = np.flatnonzero((windows.trial == trial) & (windows.pair == pair))
+        if len(own) < MIN_WINDOWS_OF_A_LENGTH:
+            continue
+        own = own[np.argsort(windows.time_s[own])]
+        times = windows.time_s[own]
+        rate = np.gradient(np.unwrap(angle[own]), times)
+        here = (at.trial == trial) & (at.pair == pair)
+        rates[here] = np.interp(at.time_s[here], times, rate)
+    return rates

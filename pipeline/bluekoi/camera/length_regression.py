@@ -1,0 +1,106 @@
+"""Linear regression of the excess of rigid lengths on what may change them.
+
+With y the excess of the measured lengths (means over short windows of all trials),
+
+    y = X a + Z b + e,    b ~ N(0, S),    e ~ N(0, N).
+
+X are the changes that are sought, and Z b what else may change lengths: keypoints displaced on the
+body, keypoints at different heights (displaced away from the point below the camera, in proportion
+to the distance from it), and stretches of the picture that vary with place and direction.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data import Float
+from .geometry_hypotheses import SYSTEMATIC_LENGTH_ERROR_SHARE
+from .rigid_distances import RIGID_PAIRS, RigidDistances, length_excess_by_keypoint_shift
+
+DISPLACEMENT_STD_SHARE = 0.1
+"""Prior standard deviation of a displacement of a keypoint over the core's length: wide."""
+STRETCH_STD, RELATIVE_HEIGHT_STD = 0.02, 0.02
+"""Prior standard deviations, wide: of a relative stretch, and of a keypoint's height above the
+others over the height of the camera (3 cm seen from 1.5 m)."""
+NOISE_ITERATIONS = 3
+CHI2_1_DF_MEDIAN = 0.455
+
+
+def regress_lengths(
+    windows: RigidDistances, patterns: Float, prior_stds: Float
+) -> tuple[Float, Float]:
+    """Estimates a (k,) and their covariance (k, k), for patterns X (n, k) with prior standard
+    deviations (k,).
+
+    The covariance is the sum of the scatter between trials (sandwich with trials as clusters) and
+    that of the model. The scatter of the lengths is estimated from the median of the squared
+    errors.
+    """
+    others, stds = _other_patterns(windows)
+    k = patterns.shape[1]
+    X = np.column_stack([patterns, others])
+    prior = np.concatenate([prior_stds, stds]) ** -2.0
+    variance = windows.std_m**2 + (SYSTEMATIC_LENGTH_ERROR_SHARE * windows.known_m) ** 2
+    for _ in range(NOISE_ITERATIONS):
+        weighted = (X / variance[:, None]).T
+        A = weighted @ X + np.diag(prior)
+        b = np.linalg.solve(A, weighted @ windows.excess_m)
+        e = windows.excess_m - X @ b
+        variance = variance * max(1.0, float(np.median(e**2 / variance)) / CHI2_1_DF_MEDIAN)
+    gradients = np.array([weighted[:, own] @ e[own] for t in np.unique(windows.trial)
+                          if (own := windows.trial == t).any()])  # fmt: skip
+    inverse = np.linalg.inv(A)
+    cov = inverse @ (gradients.T @ gradients + A) @ inverse
+    return np.asarray(b[:k]), np.asarray(cov[:k, :k])
+
+
+def length_of_core_m(windows: RigidDistances) -> float:
+    """Known length from hinge to tail base, m, of those of its parts that were seen."""
+    pair = windows.pair.round()
+    parts = [np.median(windows.known_m[pair == k]) for k in (1, 2) if (pair == k).any()]
+    return float(sum(parts))
+
+
+def directions_of_lengths(windows: RigidDistances) -> Float:
+    """Unit vectors (n, 2) from back to front."""
+    along = windows.front_m - windows.back_m
+    return np.asarray(along / np.linalg.norm(along, axis=1)[:, None])
+
+
+def by_keypoint(windows: RigidDistances, front: Float, back: Float) -> dict[str, Float]:
+    """Keypoint -> `front` where it is the front end of a length, minus `back` where the back end;
+    (n, k) each.
+    """
+    patterns: dict[str, Float] = {}
+    for number, pair in enumerate(RIGID_PAIRS):
+        own = (windows.pair.round() == number)[:, None]
+        for name, part in zip(pair, (front, -back), strict=True):
+            patterns[name] = patterns.get(name, 0.0) + own * part
+    return patterns
+
+
+def _other_patterns(windows: RigidDistances) -> tuple[Float, Float]:
+    """Z (n, z) of the other changes of lengths, and their prior standard deviations (z,)."""
+    u, pair, core_m = (
+        directions_of_lengths(windows),
+        windows.pair.round(),
+        length_of_core_m(windows),
+    )
+    middle = 0.5 * (windows.front_m + windows.back_m)
+    center = middle.mean(axis=0)
+    on_body = [*length_excess_by_keypoint_shift(windows).values(),
+               np.where(pair == 0, np.sin(windows.bend_rad), 0.0)]  # fmt: skip
+    outwards = [np.sum(u * (end - center), axis=1)[:, None]
+                for end in (windows.front_m, windows.back_m)]  # fmt: skip
+    heights = [pattern[:, 0] for pattern in by_keypoint(windows, *outwards).values()]
+    x, y = ((middle - center) / np.maximum(np.ptp(middle, axis=0), core_m)).T * 2.0
+    ones = np.ones_like(x)
+    directions = (ones, u[:, 0] ** 2 - u[:, 1] ** 2, 2.0 * u[:, 0] * u[:, 1])
+    places = (ones, x, y, x * x, x * y, y * y)
+    stretches = [windows.known_m * place * way for place in places for way in directions]
+    columns = np.column_stack([*on_body, *heights, *stretches])
+    stds = np.repeat(
+        [DISPLACEMENT_STD_SHARE * core_m, RELATIVE_HEIGHT_STD, STRETCH_STD],
+        [len(on_body), len(heights), len(stretches)],
+    )
+    return columns, stds

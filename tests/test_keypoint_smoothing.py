@@ -1,0 +1,66 @@
+"""Keypoints that were smoothed over time are recognised by rigid lengths that shrink in turns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_keypoint_displacement import ROBOT, circles
+
+from bluekoi.camera.keypoint_smoothing import (
+    CAUSES_HIDDEN_BY_SMOOTHING,
+    keypoint_smoothing,
+    without_smoothing,
+)
+from bluekoi.camera.length_warnings import length_warnings
+from bluekoi.camera.rigid_distances import RigidDistances, rigid_distances
+from bluekoi.data import Positions
+
+
+def smoothed(one: Positions, frames: int) -> Positions:
+    """A moving average, without the frames at both ends in which it is incomplete."""
+    weights = np.ones(frames) / frames
+    xy = np.apply_along_axis(lambda v: np.convolve(v, weights, "valid"), 0, one.xy_m)
+    cut = slice(frames // 2, frames // 2 + len(xy))
+    return Positions(one.time_s[cut], one.names, xy, one.cov_m2[cut], one.likelihood[cut])
+
+
+def lengths(trials: list[Positions]) -> RigidDistances:
+    return rigid_distances(trials, [0.12] * len(trials), ROBOT)
+
+
+@pytest.mark.parametrize("frames", [15, 21])
+def test_the_duration_of_a_moving_average_is_measured(frames):
+    found = keypoint_smoothing(lengths([smoothed(one, frames) for one in circles(4, 0.0003)]))
+    assert found.duration_s == pytest.approx(np.sqrt(frames**2 - 1) / 30.0, rel=0.15)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_raw_keypoints_show_no_smoothing(seed):
+    assert keypoint_smoothing(lengths(circles(seed))) is None
+
+
+def test_lengths_without_the_smoothing_are_the_stated_ones():
+    shrunk = lengths([smoothed(one, 15) for one in circles(4, 0.0003)])
+    found = keypoint_smoothing(shrunk)
+    corrected = without_smoothing(shrunk, found.variance_s2)
+    fast = np.abs(shrunk.excess_m / shrunk.known_m) > 0.005
+    before, after = (np.abs(np.mean((d.excess_m / d.known_m)[fast])) for d in (shrunk, corrected))
+    assert before > 0.005
+    assert after < 0.2 * before
+
+
+def test_a_keypoint_displaced_in_the_pool_is_no_smoothing():
+    moved = [replace(one, xy_m=one.xy_m + np.array([[0.01, 0], [0, 0], [0, 0], [0, 0]]))
+             for one in circles(5)]  # fmt: skip
+    assert keypoint_smoothing(lengths(moved)) is None
+
+
+def test_a_warning_says_what_is_not_judged():
+    geometry = {"keypoint_smoothing": {"duration_s": 0.47, "variance_s2": 0.018, "sigmas": 24.0}}
+    text = " ".join(length_warnings(geometry, None))
+    assert "averaged over 0.47 s" in text
+    assert "`_filtered`" in text
+    assert all(name in text for name in CAUSES_HIDDEN_BY_SMOOTHING)
+    assert length_warnings({"keypoint_smoothing": None}, None) == []

@@ -8,7 +8,11 @@ import numpy as np
 import pytest
 
 from bluekoi.data import Keypoints
-from bluekoi.pose.filled_frames import filled_gap_warnings, longest_filled_gap
+from bluekoi.pose.filled_frames import (
+    filled_gap_warnings,
+    longest_filled_gap,
+    without_filled_frames,
+)
 
 FRAMES, PARTS = 120, 4
 
@@ -41,6 +45,17 @@ def test_a_gap_that_was_filled_in_is_found(still: bool) -> None:
     assert 22 <= gap["frames"] <= 25
     assert gap["from_s"] == pytest.approx(60 / 30, abs=0.07)
     assert gap["to_s"] == pytest.approx(83 / 30, abs=0.07)
+
+
+@pytest.mark.parametrize("still", [False, True])
+def test_filled_frames_are_not_used_and_measured_ones_are(still: bool) -> None:
+    filled = with_frames(swimming_keypoints(), 60, 24, still=still)
+    unused = (without_filled_frames(filled).likelihood == 0.0).all(axis=1)
+    assert unused[62:82].all()
+    assert not unused[:59].any()
+    assert not unused[85:].any()
+    raw = swimming_keypoints()
+    np.testing.assert_array_equal(without_filled_frames(raw).likelihood, raw.likelihood)
 
 
 def test_the_filled_gaps_of_all_trials_are_named_in_one_sentence() -> None:

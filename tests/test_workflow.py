@@ -33,8 +33,7 @@ from bluekoi.stages.layout import ResultPaths
 from bluekoi.stages.manifest import record_file_states
 from bluekoi.stages.outcome import outcome
 from bluekoi.study import load_study
-from bluekoi.workflow import plan as plan_module
-from bluekoi.workflow import provenance
+from bluekoi.workflow import figure_sources, provenance
 from bluekoi.workflow.figure_sources import figure_names
 from bluekoi.workflow.forkserver_client import (
     ADDRESS_ENVIRONMENT_VARIABLE,
@@ -209,7 +208,9 @@ def test_the_code_of_the_pose_maps_again_but_detects_nothing_again(workflow):
 def test_a_depth_that_is_not_given_is_reported_by_the_distances_before_the_tracks(workflow):
     text = (workflow.study / "study.yaml").read_text()
     (workflow.study / "study.yaml").write_text(re.sub(r" *keypoint_depth_m: .*\n", "", text))
-    assert workflow.planned() == {"geometry": 1, "tracks": 3} | JOBS_AFTER_TRACKS
+    assert (
+        workflow.planned() == {"keypoint_errors": 1, "geometry": 1, "tracks": 3} | JOBS_AFTER_TRACKS
+    )
 
 
 def test_the_code_of_a_stage_runs_it_and_what_follows_again(workflow):
@@ -219,14 +220,19 @@ def test_the_code_of_a_stage_runs_it_and_what_follows_again(workflow):
 
 def test_a_changed_row_runs_its_trial_alone_and_what_depends_on_it(workflow):
     edit_trials_csv(workflow.study, T10={"head_length_m": "0.121"})
-    assert workflow.planned() == {"tracks": 1, "geometry": 1} | JOBS_AFTER_TRACKS
+    assert (
+        workflow.planned() == {"keypoint_errors": 1, "tracks": 1, "geometry": 1} | JOBS_AFTER_TRACKS
+    )
 
 
 def test_a_source_replaced_by_an_older_file_runs_its_trial_again(workflow):
     path = workflow.study / "keypoints/T10.csv"
     path.write_text(path.read_text().replace("0.99", "0.98"))
     os.utime(path, (1e9, 1e9))
-    assert workflow.planned() == {"keypoints": 1, "tracks": 1, "geometry": 1} | JOBS_AFTER_TRACKS
+    assert (
+        workflow.planned()
+        == {"keypoints": 1, "keypoint_errors": 1, "tracks": 1, "geometry": 1} | JOBS_AFTER_TRACKS
+    )
 
 
 def test_a_source_that_was_only_copied_again_runs_nothing_again(workflow):
@@ -372,7 +378,7 @@ def test_trials_whose_results_are_gone_or_cut_short_are_due(
 ):
     shutil.copytree(finished_workflow[0].root, tmp_path / "home")
     monkeypatch.chdir(tmp_path / "home")
-    monkeypatch.setattr(plan_module, "PACKAGE_FOLDER", tmp_path / "home/pipeline/bluekoi")
+    monkeypatch.setattr(figure_sources, "PACKAGE_FOLDER", tmp_path / "home/pipeline/bluekoi")
     monkeypatch.setattr(provenance, "PACKAGE_FOLDER", tmp_path / "home/pipeline/bluekoi")
     plan = make_plan({**SETTINGS, "study": "study"})
     assert plan.due == {"keypoints": set(), "tracks": set(), "overlay": set()}

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from .camera.length_warnings import length_warnings
 from .camera.pool_edge_check import deviating_edge_warnings
 from .camera.turned_picture import turned_picture_warnings
@@ -22,11 +24,26 @@ NO_CLOCK_NOTE = (
     "factor of two makes all speeds wrong by that factor, without a message."
 )
 
+UNCHECKED_FREQUENCY_NOTE = (
+    "flap_hz is stated, no trial has a motor_log, and the keypoints of no trial show the tail "
+    "beat: nothing can check flap_hz and fps. C_T is inversely proportional to the square of "
+    "flap_hz. Label tail_tip, or record the motor."
+)
 
-def unchecked_clock_notes(study: Study) -> list[str]:
-    """The note that no clock checks the frame rate, where no trial states a flapping frequency."""
-    stated = any(t.motor_log is not None or t.flap_hz is not None for t in study.trials)
-    return [] if stated else [NO_CLOCK_NOTE]
+
+def unchecked_clock_notes(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """A note where nothing checks the frame rate: no trial states a flapping frequency, or no trial
+    has a log and none shows the tail beat.
+
+    statuses: content of status/ID.json by trial id, or what `check` knows of it.
+    """
+    if any(t.motor_log is not None for t in study.trials):
+        return []
+    if all(t.flap_hz is None for t in study.trials):
+        return [NO_CLOCK_NOTE]
+    found = [f for s in statuses.values() if (f := s.get("flapping"))]
+    seen = any(np.isfinite(f["video_hz"]) for f in found if f.get("video_hz") is not None)
+    return [UNCHECKED_FREQUENCY_NOTE] if found and not seen else []
 
 
 def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -69,7 +86,7 @@ def warnings_after_run(
         statuses = {i: _without_distorted_numbers(one) for i, one in statuses.items()}
     return [
         *trial_warnings(study, statuses),
-        *unchecked_clock_notes(study),
+        *unchecked_clock_notes(study, statuses),
         *length_warnings(geometry, mismatch, study.setup.water.refractive_index, failed=failed),
         *inertia_warnings(study.setup.robot, mismatch),
     ]

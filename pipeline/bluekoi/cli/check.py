@@ -80,5 +80,5 @@ def check(study: Path) -> None:
         f"keypoint files) in {conditions} conditions; no {more}error found in the files."
     )
     click.echo(UNCHECKED_MOTION_NOTE if filmed else UNCHECKED_CAMERA_NOTE)
-    for note in unchecked_clock_notes(loaded):
+    for note in unchecked_clock_notes(loaded, statuses):
         click.echo(note)

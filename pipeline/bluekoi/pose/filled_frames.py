@@ -7,6 +7,7 @@ Measured points scatter by a hundredth of a pixel or more.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,23 +24,34 @@ MIN_TRAVEL_PX = 2.0
 """Travel of a keypoint after which the robot is said to have started: before, it rests."""
 
 
+def without_filled_frames(keypoints: Keypoints) -> Keypoints:
+    """Keypoints whose likelihood is 0 in all frames that were filled in."""
+    likelihood = keypoints.likelihood.copy()
+    for first, end in _filled_gaps(keypoints):
+        likelihood[first:end] = 0.0
+    return replace(keypoints, likelihood=likelihood)
+
+
 def longest_filled_gap(keypoints: Keypoints) -> dict[str, Any] | None:
     """Longest stretch of frames that were filled in: `from_s`, `to_s`, `frames`; None if none."""
+    gaps = _filled_gaps(keypoints)
+    if not gaps:
+        return None
+    first, end = max(gaps, key=lambda gap: gap[1] - gap[0])
+    times = keypoints.time_s[first:end]
+    return {"from_s": float(times[0]), "to_s": float(times[-1]), "frames": end - first}
+
+
+def _filled_gaps(keypoints: Keypoints) -> list[tuple[int, int]]:
+    """First frame, and frame after the last one, of each gap that was filled in."""
     xy = np.where(keypoints.likelihood[:, :, None] >= MIN_LIKELIHOOD, keypoints.xy_px, np.nan)
     bends = np.abs(np.diff(xy, n=2, axis=0)).reshape(max(len(xy) - 2, 0), -1)
     straight = np.isfinite(bends).any(axis=1) & ~(bends > MAX_SECOND_DIFFERENCE_PX).any(axis=1)
     travel = np.linalg.norm(xy - xy[:1], axis=2)
     straight &= np.maximum.accumulate((travel > MIN_TRAVEL_PX).any(axis=1))[1:-1]
     edges = np.flatnonzero(np.diff(np.concatenate([[0], straight.astype(int), [0]])))
-    runs = edges.reshape(-1, 2)
-    if not len(runs):
-        return None
-    first, end = runs[np.argmax(runs[:, 1] - runs[:, 0])]
-    frames = int(end - first)
-    if frames < MIN_FILLED_FRAMES:
-        return None
-    times = keypoints.time_s[first + 1 : end + 1]
-    return {"from_s": float(times[0]), "to_s": float(times[-1]), "frames": frames}
+    runs = edges.reshape(-1, 2) + 1  # a second difference belongs to the frame in its middle
+    return [(int(first), int(end)) for first, end in runs if end - first >= MIN_FILLED_FRAMES]
 
 
 def filled_gap_warnings(gaps: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -51,6 +63,6 @@ def filled_gap_warnings(gaps: Mapping[str, Mapping[str, Any]]) -> list[str]:
     return [
         f"In trial{'s' if len(gaps) > 1 else ''} {places}, all keypoints move by the same step "
         "from frame to frame or stand still, to the last digit. These frames were filled in and "
-        "not measured: leave their cells empty, or choose a part of the recording by start_s and "
-        "end_s."
+        "not measured; they are not used. Leave their cells empty, so that other programs do not "
+        "use them either."
     ]

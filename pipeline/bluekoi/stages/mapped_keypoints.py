@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..camera import map_keypoints, pool_camera
-from ..camera.pool_projection import PoolCamera
+from ..camera.pool_projection import PoolCamera, map_keypoints
+from ..camera.study_camera import pool_camera
 from ..data import Positions
 from ..files import read_json
 from ..keypoints.deeplabcut import read_detections
+from ..pose.filled_frames import without_filled_frames
 from ..study import Study, Trial
 from .layout import ResultPaths
 from .status import has_measured_lengths, successful_trials
@@ -30,6 +31,8 @@ def trial_camera(study: Study, trial: Trial, layout: ResultPaths) -> PoolCamera:
 def mapped_keypoint_positions(
     camera: PoolCamera, trials: Sequence[Trial], layout: ResultPaths, depth_m: float
 ) -> list[Positions]:
-    """Positions in the pool frame, of keypoints at a depth, m."""
+    """Positions in the pool frame, of keypoints at a depth, m; frames that were filled in have no
+    likelihood.
+    """
     found = (read_detections(layout.keypoints(trial.trial_id), trial) for trial in trials)
-    return [map_keypoints(camera, one, depth_m) for one in found]
+    return [map_keypoints(camera, without_filled_frames(one), depth_m) for one in found]

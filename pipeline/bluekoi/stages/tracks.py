@@ -28,6 +28,7 @@ from ..motor.swimming_plausibility import (
     tail_length_seen,
 )
 from ..pose.exchanged_frames import undo_head_tail_exchanges
+from ..pose.filled_frames import without_filled_frames
 from ..pose.plausibility import checked_rigid_pose
 from ..pose.trial_comparison import status_of_body_measurements
 from ..smoothing import smooth_with_noise_ratio
@@ -73,7 +74,8 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
         check_within_picture(study.paths(trial)[0], found, study.setup.camera.image_size_px)
     depth = keypoint_depth(study.setup, layout)
     mapped = without_displacements(
-        map_keypoints(camera, found, depth), displacement_vectors_m(trial, layout)
+        map_keypoints(camera, without_filled_frames(found), depth),
+        displacement_vectors_m(trial, layout),
     )
     positions, exchanged = undo_head_tail_exchanges(mapped, study.setup.robot, trial.head_length_m)
     try:

@@ -21,15 +21,17 @@ VALIDATED_BODY_LENGTHS_M = (0.2, 1.2)
 """Shortest and longest robots of the simulated studies with hidden causes (docs/evidence.md)."""
 PRINCIPAL_POINT_OFFSET_SHARE = 0.1
 """The axis of a lens meets the sensor within this share of its size from the middle."""
+MAX_DEPTH_SHARE = 0.5
+"""Keypoints deeper than this share of the water are nearer to the floor than to the surface."""
 INDEX_OF_WATER, MAX_INDEX_DIFFERENCE = 1.333, 0.01
 """Refractive index of water, and how far that of warm, cold or salt water may be from it."""
 
 
 def setup_warnings(setup: StudySettings) -> list[str]:
     """A sentence where mass, yaw inertia and size are not those of one body, the lens is not in the
-    middle of the picture, or the refractive index is not that of water. No motion shows
-    the former: coefficients are proportional to the mass, those of forces inversely to head span
-    and density.
+    middle of the picture, the refractive index is not that of water, or keypoints lie deep. No
+    motion shows the first of these: coefficients are proportional to the mass, those of forces
+    inversely to head span and density.
     """
     return [
         *_gyration_radius_warnings(setup.robot),
@@ -37,6 +39,18 @@ def setup_warnings(setup: StudySettings) -> list[str]:
         *_unvalidated_size_warnings(setup.robot),
         *_principal_point_warnings(setup.camera),
         *_refractive_index_warnings(setup.water.refractive_index),
+        *_keypoint_depth_warnings(setup),
+    ]
+
+
+def _keypoint_depth_warnings(setup: StudySettings) -> list[str]:
+    depth, water = setup.robot.keypoint_depth_m, setup.pool.depth_m
+    if not setup.robot.depth_given or depth <= MAX_DEPTH_SHARE * water:
+        return []
+    return [
+        f"keypoint_depth_m is {depth:g}: the keypoints are nearer to the floor than to the surface "
+        f"of {water:g} m of water. The depth is measured from the surface down. Is it measured "
+        "from the floor?"
     ]
 
 

@@ -20,7 +20,7 @@ from bluekoi.model import (
     steady_speed_and_radius,
     two_plate_system,
 )
-from bluekoi.model.plates import DYNAMICS
+from bluekoi.model.plates import EQUATION_OF_MOTION_STAGES
 from bluekoi.observation import constant_names
 from bluekoi.tuning import straight_swimming_growth_per_s
 from paper_robot import PAPER_SETUP
@@ -157,7 +157,9 @@ def test_longer_head_has_the_contract_s_arm() -> None:
 
 def test_no_equation_of_motion_depends_on_how_the_robot_is_seen() -> None:
     physics = [e for e in two_plate_system().effects if e.kind != "measurement"]
-    asked = {name for stage in DYNAMICS for name in stage_arguments(stage, physics)}
+    asked = {
+        name for stage in EQUATION_OF_MOTION_STAGES for name in stage_arguments(stage, physics)
+    }
     assert not asked & set(constant_names())
 
 

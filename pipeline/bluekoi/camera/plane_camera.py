@@ -60,7 +60,7 @@ def homography_camera(
 
 def depth_error_bound_m(corners_m: Float, index: float, depth_m: float) -> float:
     """Largest error, m, of taking a point so far down for one on the surface, camera 1 m up."""
-    grid = _pool_points_at_height(corners_m, -depth_m)
+    grid = _grid_over_pool_at_height(corners_m, -depth_m)
     middle = corners_m[:, :2].mean(axis=0)
     camera = np.array([*middle, ASSUMED_MIN_CAMERA_HEIGHT_M])
     seen = surface_points_of_light_paths(camera, grid, index)
@@ -77,13 +77,13 @@ def lens_error_bound_m(corners_m: Float) -> float:
     middle = corners_m.mean(axis=0)
     turn, height = np.diag([1.0, -1.0, -1.0]), max(ASSUMED_MIN_CAMERA_HEIGHT_M, length / 2)
     shift = -turn @ (middle + np.array([0, 0, height]))
-    grid = _pool_points_at_height(corners_m, float(middle[2]))
+    grid = _grid_over_pool_at_height(corners_m, float(middle[2]))
     image, marks = (project_to_pixels(lens, points @ turn + shift) for points in (grid, corners_m))
     back = homography_from_four_points(marks, corners_m[:, :2])
     return float(np.max(np.linalg.norm(apply_homography(back, image) - grid[:, :2], axis=1)))
 
 
-def _pool_points_at_height(corners_m: Float, z: float) -> Float:
+def _grid_over_pool_at_height(corners_m: Float, z: float) -> Float:
     x, y = np.meshgrid(
         np.linspace(0, corners_m[2, 0], GRID_POINTS_PER_SIDE),
         np.linspace(0, corners_m[2, 1], GRID_POINTS_PER_SIDE),

@@ -16,7 +16,7 @@ from .cause_search import CauseSearchResult, explain
 from .folder import read_trials
 from .model import Cause, Constant, Input, Model, Observation, State
 from .model_file import load_model
-from .prediction import Predicted, predict, predict_left_out
+from .prediction import PredictedTrials, predict, predict_left_out
 from .results_json import explanation_json, prediction_json
 from .text import prediction_text, summary
 from .trials import Trial
@@ -29,7 +29,7 @@ __all__ = [
     "Model",
     "Observation",
     "Parameter",
-    "Predicted",
+    "PredictedTrials",
     "Stage",
     "State",
     "Trial",

@@ -43,7 +43,7 @@ class FreeSimulation:
 
 
 @dataclass(frozen=True)
-class Predicted:
+class PredictedTrials:
     """Free runs (simulations) of trials that the model was not fitted to.
 
     - runs: (`baseline` or `extended`, `start fitted` or `start from the first seconds`) -> a run
@@ -67,8 +67,8 @@ START_FITTED, START_ESTIMATED = "start fitted", "start from the first seconds"
 
 def predict(
     found: CauseSearchResult, trials: Sequence[Trial], *, known_s: float = DEFAULT_KNOWN_S
-) -> Predicted:
-    """`Predicted` for trials that the model was not fitted to."""
+) -> PredictedTrials:
+    """`PredictedTrials` for trials that the model was not fitted to."""
     model = found.model
     series = series_of_further_trials(found.prepared, validated_trials(model, trials))
     site = tuple(c for c in found.extended.model.causes
@@ -85,8 +85,8 @@ def predict(
             "recordings, and predictions with them may be worse than the baseline's."
         )
     messages += [*_unfitted_group_sentences(found, series), *runaway_sentences(runs)]
-    return Predicted(runs, [_measures_of_path(model, s, s.seen) for s in series], known_s, site,
-                     tuple(messages))  # fmt: skip
+    measured = [_measures_of_path(model, s, s.seen) for s in series]
+    return PredictedTrials(runs, measured, known_s, site, tuple(messages))
 
 
 def without_site_causes(found: CauseSearchResult, site: Sequence[str]) -> CriterionFit:
@@ -104,8 +104,10 @@ def _unfitted_group_sentences(found: CauseSearchResult, series: Sequence[TrialSe
     return [f"Group '{g}' was not fitted: its coefficients are at their start values." for g in new]
 
 
-def predict_left_out(found: CauseSearchResult, *, known_s: float = DEFAULT_KNOWN_S) -> Predicted:
-    """`Predicted` for the fitted trials, each condition by models fitted to the others."""
+def predict_left_out(
+    found: CauseSearchResult, *, known_s: float = DEFAULT_KNOWN_S
+) -> PredictedTrials:
+    """`PredictedTrials` for the fitted trials, each condition by models fitted to the others."""
     problem, model = found.prepared.problem, found.model
     series = list(problem.series)
     runs: dict[tuple[str, str], dict[str, FreeSimulation]] = {}
@@ -121,7 +123,7 @@ def predict_left_out(found: CauseSearchResult, *, known_s: float = DEFAULT_KNOWN
                 every |= {r.trial: r for r in _simulate_trials(found, again, own, known)}
     ordered = {key: [rows[s.name] for s in series] for key, rows in runs.items()}
     measured = [_measures_of_path(model, s, s.seen) for s in series]
-    return Predicted(ordered, measured, known_s, (), tuple(runaway_sentences(ordered)))
+    return PredictedTrials(ordered, measured, known_s, (), tuple(runaway_sentences(ordered)))
 
 
 def runaway_sentences(runs: Mapping[tuple[str, str], Sequence[FreeSimulation]]) -> list[str]:

@@ -12,7 +12,7 @@ from ..engine.naming import UNLISTED_FORCE_LABEL
 from ..fitting import MAX_OVERDISPERSION
 from .cause_search import CauseSearchResult
 from .numbers import FittedNumber
-from .prediction import Predicted
+from .prediction import PredictedTrials
 
 MIN_RIVAL_PROBABILITY = 0.02
 """Probability from which an alternative is listed."""
@@ -181,7 +181,7 @@ def _finite_values(given: dict[str, float]) -> dict[str, float | None]:
     return {k: _finite_or_none(v) for k, v in given.items()}
 
 
-def prediction_json(found: Predicted) -> dict[str, Any]:
+def prediction_json(found: PredictedTrials) -> dict[str, Any]:
     """Errors and measures of every predicted trial."""
     return {
         "known_s": found.known_s,

@@ -9,7 +9,7 @@ import numpy as np
 from .cause_search import CauseSearchResult
 from .model import Model
 from .numbers import FittedNumber
-from .prediction import Predicted
+from .prediction import PredictedTrials
 from .results_json import residual_term_probabilities, rivals_json, verdict_sentence
 
 
@@ -108,7 +108,7 @@ def unit_of_error(model: Model, name: str) -> str:
     return model.unit_of(model.path[0] if observed == "path" and model.path else observed)
 
 
-def prediction_text(model: Model, found: Predicted) -> str:
+def prediction_text(model: Model, found: PredictedTrials) -> str:
     """Errors of all predicted trials together and of each, then their measures."""
     parts = [f"Note: {m}" for m in found.messages]
     parts.append(markdown_table(*error_table(model, found)))
@@ -117,7 +117,7 @@ def prediction_text(model: Model, found: Predicted) -> str:
     return "\n\n".join(parts)
 
 
-def error_table(model: Model, found: Predicted) -> tuple[list[str], list[list[str]]]:
+def error_table(model: Model, found: PredictedTrials) -> tuple[list[str], list[list[str]]]:
     """Head and rows of the errors of the path, or of every observation."""
     names = ["path_rmse"] if model.path else [f"{o.name}_rmse" for o in model.observations]
     head, first = ["trial"], next(iter(found.runs.values()))
@@ -132,7 +132,7 @@ def error_table(model: Model, found: Predicted) -> tuple[list[str], list[list[st
     return head, rows
 
 
-def table_of_measures(found: Predicted) -> tuple[list[str], list[list[str]]]:
+def table_of_measures(found: PredictedTrials) -> tuple[list[str], list[list[str]]]:
     """Head and rows of measures: measured, and simulated with the relative error."""
     head = ["trial", "measure", "measured"]
     runs = dict(found.runs)

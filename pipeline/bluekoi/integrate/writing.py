@@ -62,7 +62,7 @@ def kernel_source(system: System, *, general: bool) -> str:
     )
     parts = {
         "hold": _constant_stages_source(plan),
-        "observe": _observe_source(plan),
+        "observe": _observation_stage_code(plan),
         "moves": _general_kernel_source(plan) if general else _fast_kernel_source(plan),
         "zero_order_hold": _zero_order_hold(plan),
         "hold_again": ["    hold(m)"] if system.zero_order_hold else [],
@@ -202,12 +202,12 @@ def _rates_source(plan: _KernelSpecification) -> list[str]:
     lines: list[str] = []
     for stage in (s for s in plan.system.stages if s.name != "observe"):
         if stage not in constant:
-            lines += _stage_source(plan, stage)
+            lines += _stage_code(plan, stage)
             continue
         asked = {e for name in stage_arguments(stage, ()) for e in changed.get(name, ())}
         own = [e for e in plan.effects if stage.name in e.hooks or e in asked]
         changed |= dict.fromkeys(stage.outputs, own)
-        lines += _code_lines_if_effect_active(plan, own, _stage_source(plan, stage))
+        lines += _code_lines_if_effect_active(plan, own, _stage_code(plan, stage))
     for effect in plan.effects:
         if effect.rates:
             targets = [plan.rows.of(f"d_{s}") for s in effect.states]
@@ -217,16 +217,16 @@ def _rates_source(plan: _KernelSpecification) -> list[str]:
     return lines
 
 
-def _observe_source(plan: _KernelSpecification) -> list[str]:
+def _observation_stage_code(plan: _KernelSpecification) -> list[str]:
     """What is seen; stages that only effects ask for where one of those is on."""
     observe = next(s for s in plan.system.stages if s.name == "observe")
     always = required_stages(plan.system, observe, ())
     lines: list[str] = []
     for stage in required_stages(plan.system, observe, plan.effects):
         asking = [e for e in plan.effects if stage in required_stages(plan.system, observe, (e,))]
-        found = _stage_source(plan, stage)
+        found = _stage_code(plan, stage)
         lines += found if stage in always else _code_lines_if_effect_active(plan, asking, found)
-    return lines + _stage_source(plan, observe)
+    return lines + _stage_code(plan, observe)
 
 
 def _code_lines_if_effect_active(
@@ -236,7 +236,7 @@ def _code_lines_if_effect_active(
     return [f"    if {plan.on(effects)}:", *(f"    {line}" for line in lines)] if effects else []
 
 
-def _stage_source(plan: _KernelSpecification, stage: Stage) -> list[str]:
+def _stage_code(plan: _KernelSpecification, stage: Stage) -> list[str]:
     """Lane loops of one stage: the model's own function, then each effect that is on."""
     lines, targets = _base_model_loop(plan, stage), plan.rows.outputs(stage)
     for effect in plan.effects:

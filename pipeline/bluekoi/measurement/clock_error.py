@@ -4,9 +4,9 @@ With the recorded time t, the true time runs 1 + p k (1 + d (t - 3 s) / 3 s) tim
 k is the relative error of the frame rate at t = 3 s. d describes an unsteady clock: the change of
 this error in 3 s, relative to k.
 
-p is 1 in the trials with a wrong frame rate and 0 in the others. Usually it is 1 in all trials. The
-tail beat in the video, compared with the motor log, can show that the frame rate is wrong in some
-trials only.
+p is 1 in the trials whose frame rate is taken to be wrong, and 0 in the others. The finder takes it
+to be wrong in all trials, unless the tail beat in the video, compared with the motor log, shows in
+which trials it is.
 
 Without a motor log, d is 0. The reason is that the quartz of a camera is steady. If the tail beat
 in the video drifts, this is therefore attributed to the motor.

@@ -42,7 +42,7 @@ HYDRODYNAMIC_COEFFICIENTS = (
 """Coefficients of the published model with unit, start value, bounds and meaning, for the published
 robot."""
 
-DYNAMICS = (
+EQUATION_OF_MOTION_STAGES = (
     Stage("actuation_inputs", ("phi", "f"), equations.actuation_inputs, open=True),
     Stage("ambient_flow", ("wx", "wy", "wr", "wd"), None, open=True),
     Stage("head", ("cphi", "sphi"), equations.head_angle_cos_sin),
@@ -60,7 +60,11 @@ DYNAMICS = (
     Stage("rates", ("x", "y", "psi", "u", "v", "r"), equations.rigid_body_state_derivatives),
 )
 """Equations of motion, in order."""
-MODEL_EQUATION_STAGES = (observation.CLOCK_STAGE, *DYNAMICS, observation.OBSERVATION_STAGE)
+MODEL_EQUATION_STAGES = (
+    observation.CLOCK_STAGE,
+    *EQUATION_OF_MOTION_STAGES,
+    observation.OBSERVATION_STAGE,
+)
 
 ROBOT_STATE_NAMES = ("x", "y", "psi", "u", "v", "r")
 """States: position in the pool, heading of the core, surge, sway, yaw rate."""

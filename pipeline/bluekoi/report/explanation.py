@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ..explain import CauseSearchResult, Predicted
+from ..explain import CauseSearchResult, PredictedTrials
 from ..explain.comparison import cut_trials_into_segments
 from ..explain.results_json import verdict_sentence
 from ..explain.text import (
@@ -31,12 +31,14 @@ from .template import load_template, verdict_heading
 MAX_TRIALS_SHOWN, PNG_DPI = 4, 130
 
 
-def write_explanation(found: CauseSearchResult, predicted: Predicted | None, path: Path) -> None:
+def write_explanation(
+    found: CauseSearchResult, predicted: PredictedTrials | None, path: Path
+) -> None:
     """Write the page, with all text escaped and the figure inside."""
     write_text(path, explanation_page(found, predicted))
 
 
-def explanation_page(found: CauseSearchResult, predicted: Predicted | None = None) -> str:
+def explanation_page(found: CauseSearchResult, predicted: PredictedTrials | None = None) -> str:
     """Text of the page."""
     held, sentence = found.held_out, verdict_sentence(found)
     heading = verdict_heading(found.verdict, sentence)
@@ -63,7 +65,7 @@ def explanation_page(found: CauseSearchResult, predicted: Predicted | None = Non
 
 
 def _prediction_tables(
-    found: CauseSearchResult, predicted: Predicted | None
+    found: CauseSearchResult, predicted: PredictedTrials | None
 ) -> dict[str, Any] | None:
     if predicted is None:
         return None

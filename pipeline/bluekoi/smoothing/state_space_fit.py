@@ -17,13 +17,13 @@ from .noise_fit import FittedMotionModel, fit_process_noise, outlier_gate
 from .nominal_motion import nominal_motion
 from .screening import ScreenedMeasurements, screen_measurements
 
-PRIOR_LOG_NOISE_STDS = (1.0, 6.0, 6.0, 3.0)
+PRIOR_STDS_OF_LOG_NOISE = (1.0, 6.0, 6.0, 3.0)
 """Prior deviation of the logs of tau, rate noise, acceleration noise and start-up factor."""
-PRIOR_LOG_SWAY_SHARE_STD, PRIOR_LOG_RECOIL_STD, PRIOR_LOG_R_STD = 4.0, 3.0, 0.7
+PRIOR_STD_OF_LOG_SWAY_SHARE, PRIOR_STD_OF_LOG_RECOIL, PRIOR_STD_OF_LOG_R = 4.0, 3.0, 0.7
 RECOIL_COHERENCE_UNIT_BEATS, RECOIL_ONSET_DECAY_UNIT_PER_BEAT = 300.0, 0.15
 """Prior medians of the recoil's coherence and of its decay rate at the onset, where the search
 starts. Estimates in five simulated studies have medians of 23 to 33,000 and 0.02 to 0.15."""
-PRIOR_LOG_RECOIL_COHERENCE_STDS = (3.0, 3.0)
+PRIOR_STDS_OF_LOG_RECOIL_COHERENCE = (3.0, 3.0)
 """Prior deviations of the logs of both."""
 UNIT_NOISE_SIGMAS = 2.0
 """Unit of process noise: the density that moves a rate by so many standard errors over a trial. A
@@ -186,11 +186,11 @@ def _fit_motion_model(
         model_of_noise, other = steady, None
     spread = np.array(
         [
-            *PRIOR_LOG_NOISE_STDS,
-            *[PRIOR_LOG_SWAY_SHARE_STD] * (m - 1),
-            *[PRIOR_LOG_RECOIL_STD] * recoils,
-            *(PRIOR_LOG_RECOIL_COHERENCE_STDS if recoils else ()),
-            PRIOR_LOG_R_STD,
+            *PRIOR_STDS_OF_LOG_NOISE,
+            *[PRIOR_STD_OF_LOG_SWAY_SHARE] * (m - 1),
+            *[PRIOR_STD_OF_LOG_RECOIL] * recoils,
+            *(PRIOR_STDS_OF_LOG_RECOIL_COHERENCE if recoils else ()),
+            PRIOR_STD_OF_LOG_R,
         ]
     )
     T = grid.scale_s

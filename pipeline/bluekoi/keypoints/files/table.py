@@ -63,7 +63,8 @@ def build_table(
     lines: line number of each row in a file of text.
 
     Positions are taken by name, in whatever order the columns stand. A position that is missing,
-    infinite, or 0, 0 with likelihood 0 is not seen, whatever likelihood the file gives it.
+    infinite, or 0, 0 is not seen, whatever likelihood the file gives it; a single 0, 0 of a part
+    counts if it has a likelihood.
 
     Raises: InputError where a coordinate is missing or doubled, pixels are absurd, or likelihoods
     are percentages.
@@ -117,7 +118,8 @@ def _check_likelihood(path: Path, likelihood: Float, lines: Sequence[int] | None
 
 
 def _blank_unseen_points(xy: Float, likelihood: Float) -> tuple[Float, Float]:
-    empty = np.all(xy == 0.0, axis=2) & (likelihood == 0.0)
+    zero = np.all(xy == 0.0, axis=2)
+    empty = zero & ((likelihood == 0.0) | (zero.sum(axis=0) > 1))
     seen = np.isfinite(xy).all(axis=2) & ~empty
     xy = np.where(seen[..., None], xy, np.nan)
     certain = np.clip(np.nan_to_num(likelihood, nan=0.0, posinf=0.0, neginf=0.0), 0.0, 1.0)

@@ -14,7 +14,7 @@ from .tracking import DetectionScene, OutlineFit
 from .variance import mean_covariance
 
 FULL_SUPPORT, MIN_SUPPORT = 0.80, 0.35
-HEAD_SUPPORT_RANGE = (0.25, 0.55)
+HEAD_OUTLINE_SUPPORTED_SHARE_RANGE = (0.25, 0.55)
 HEAD_ANGLE_TOLERANCE_RAD = 0.07
 MIN_STD_PX = 0.005
 DERIVATIVE_STEP_BL = 0.03
@@ -50,7 +50,7 @@ def keypoints_from_fits(
         poses = [one.pose if one else None for one in fits]
         jumps = likelihood_factors_at_jumps(times, poses, MAX_JUMP_BL, MAX_JUMP_RAD)
         head = float(np.median([one.support[0] for one in known]))
-        known_shape = likelihood_of_support(head, HEAD_SUPPORT_RANGE)
+        known_shape = likelihood_of_support(head, HEAD_OUTLINE_SUPPORTED_SHARE_RANGE)
         each = np.array([_keypoint_likelihoods(one, bend) for one in known])
         likelihood[where] = known_shape * jumps[where, None] * each
     likelihood[~np.isfinite(xy).all(axis=2)] = 0.0

@@ -794,10 +794,31 @@ def test_check_says_where_nothing_can_check_the_frame_rate(tmp_path):
 
 def test_a_run_without_any_clock_says_so_in_its_outcome(tmp_path):
     study = load_study(small_study(tmp_path / "study"))
-    assert unchecked_clock_notes(study) == []
+    assert unchecked_clock_notes(study, {}) == []
     bare = [t.model_copy(update={"motor_log": None, "flap_hz": None}) for t in study.trials]
-    (text,) = unchecked_clock_notes(study.model_copy(update={"trials": tuple(bare)}))
+    (text,) = unchecked_clock_notes(study.model_copy(update={"trials": tuple(bare)}), {})
     assert text.startswith("No trial has a motor_log or flap_hz: nothing can check fps.")
+
+
+def test_a_stated_frequency_without_log_and_tail_beat_is_called_unchecked(tmp_path):
+    """A flap_hz of twice the true frequency makes C_T a quarter; nothing else shows it."""
+    study = load_study(small_study(tmp_path / "study"))
+    stated = [t.model_copy(update={"motor_log": None, "flap_hz": 2.4}) for t in study.trials]
+    bare = study.model_copy(update={"trials": tuple(stated)})
+    unseen = {"T09": {"ok": True, "flapping": {"flap_hz": 2.4, "video_hz": None}}}
+    seen = {**unseen, "T10": {"ok": True, "flapping": {"flap_hz": 2.4, "video_hz": 2.41}}}
+    (text,) = unchecked_clock_notes(bare, unseen)
+    assert "nothing can check flap_hz" in text
+    assert unchecked_clock_notes(bare, seen) == unchecked_clock_notes(study, unseen) == []
+
+
+def test_a_depth_measured_from_the_floor_is_doubted(tmp_path):
+    """0.26 m of 0.3 m of water; 0.04 m, from the surface, is usual."""
+    setup = load_study(small_study(tmp_path / "study")).setup
+    robot = setup.robot.model_copy(update={"keypoint_depth_m": 0.26})
+    assert setup_warnings(setup) == []
+    (text,) = setup_warnings(setup.model_copy(update={"robot": robot}))
+    assert "Is it measured from the floor?" in text
 
 
 @pytest.mark.parametrize(

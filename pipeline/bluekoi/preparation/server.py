@@ -78,9 +78,14 @@ class SetupServer:
         self._server.run()
 
     def close(self) -> None:
-        """End jobs and run, each in order."""
+        """End jobs and run, each in order.
+
+        The threads of the server end first: one that still answers would wake up the closed server
+        by a byte, in whatever file has the number of its pipe by then.
+        """
         self.run.stop()
         self.jobs.close()
+        self._server.task_dispatcher.shutdown()
         self._server.close()
 
     def _application(self) -> bottle.Bottle:

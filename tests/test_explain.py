@@ -33,10 +33,12 @@ from bluekoi.explain.checks import refuse_invalid_model
 from bluekoi.explain.results_json import verdict_sentence
 from bluekoi.explain.sampling import averaged_to_rate
 from bluekoi.explain.system_assembly import assemble_system
+from bluekoi.explain.text import summary
 from bluekoi.explain.trials import as_trial_series, validated_trials
 from bluekoi.integrate import compile_system
 from bluekoi.integrate.batch import simulate_batch
 
+NOISE_STD_M = 1e-3
 MODEL_FILE = Path(__file__).parent / "cart_model.py"
 
 
@@ -61,7 +63,7 @@ def simulated_run(
     push = np.repeat(amplitude * rng.uniform(-1, 1, n // period + 1), period)[:n]
     x, v, seen = 0.0, 0.0, []
     for k in range(n):
-        seen.append(x + 1e-3 * rng.standard_normal())
+        seen.append(x + NOISE_STD_M * rng.standard_normal())
         for _ in range(fine):
             middle = v + 0.5 * dt / fine * (push[k] - 0.4 * v - drag * v * abs(v))
             v += dt / fine * (push[k] - 0.4 * middle - drag * middle * abs(middle))
@@ -184,6 +186,16 @@ def test_the_results_have_the_keys_of_the_robots_mismatch_json(cart_explanation)
         cause
     )
     assert content["probabilities"].keys() == {"quadratic_drag", "current", "spring", "unexplained"}
+
+
+def test_estimated_errors_and_random_forces_are_stated(cart_explanation):
+    content = json.loads(json.dumps(explanation_json(cart_explanation)))["noise"]
+    (position,) = content["observations"]
+    assert (position["name"], position["unit"]) == ("position", "m")
+    whole = np.hypot(position["independent_std"], position["lasting_std"])
+    assert whole == pytest.approx(NOISE_STD_M, rel=0.3)
+    assert len(content["random_forces"]) == len(cart_explanation.model.channels)
+    assert "errors of position, m" in summary(cart_explanation)
 
 
 def test_only_the_asked_causes_are_tried(cart_model):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..engine import NamedCause
 from ..engine.naming import UNLISTED_FORCE_LABEL
 from ..fitting import MAX_OVERDISPERSION
 from .cause_search import CauseSearchResult
+from .estimated_noise import estimated_errors, estimated_random_forces
 from .numbers import FittedNumber
 from .prediction import PredictedTrials
 
@@ -41,6 +43,8 @@ def explanation_json(found: CauseSearchResult) -> dict[str, Any]:
         },
         "coefficients": {"baseline": _numbers_json(found.baseline_numbers),
                          "extended": _numbers_json(found.numbers)},
+        "noise": {"observations": [asdict(e) for e in estimated_errors(found)],
+                  "random_forces": [asdict(f) for f in estimated_random_forces(found)]},
         "residual_terms": residual_term_probabilities(found),
         "overdispersion": _finite_or_none(found.best.overdispersion),
         "fit": {"rate_hz": _finite_or_none(found.prepared.rate_hz), "step_s": found.prepared.step_s,

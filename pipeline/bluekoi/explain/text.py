@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from .cause_search import CauseSearchResult
+from .estimated_noise import NOISE_TABLE_HEAD, noise_rows
 from .model import Model
 from .numbers import FittedNumber
 from .prediction import PredictedTrials
@@ -20,7 +21,9 @@ def markdown_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str
 
 
 def summary(found: CauseSearchResult) -> str:
-    """Verdict, causes with their numbers, probabilities, held-out errors and warnings."""
+    """Verdict, causes with their numbers, probabilities, held-out errors, noise and
+    warnings.
+    """
     parts = [f"{found.model.name}: {found.verdict}", verdict_sentence(found)]
     if found.named:
         head = ("cause", "kind", "probability", "gain", "size", "credible set")
@@ -32,6 +35,7 @@ def summary(found: CauseSearchResult) -> str:
     held = found.held_out
     parts.append(f"Fitted to {held.fitted_to[0]} (baseline) and {held.fitted_to[1]} (extended); "
                  f"intervals of {held.stretch_s:.3g} s at most.")  # fmt: skip
+    parts.append(markdown_table(NOISE_TABLE_HEAD, noise_rows(found)))
     parts.append(markdown_table(("probability", ""), probability_rows(found)))
     others = rivals_json(found)
     if others:

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from ..explain import CauseSearchResult, PredictedTrials
 from ..explain.comparison import cut_trials_into_segments
+from ..explain.estimated_noise import NOISE_TABLE_HEAD, noise_rows
 from ..explain.results_json import verdict_sentence
 from ..explain.text import (
     cause_rows,
@@ -59,6 +60,8 @@ def explanation_page(found: CauseSearchResult, predicted: PredictedTrials | None
         errors_note=f"Baseline fitted to {held.fitted_to[0]}, extended model to "
         f"{held.fitted_to[1]}; starts fitted; stretches of {held.stretch_s:.3g} s at most.",
         coefficients=coefficient_rows(found),
+        noise_head=NOISE_TABLE_HEAD,
+        noise=noise_rows(found),
         prediction=_prediction_tables(found, predicted),
         picture=_figure_data_uri(trials_figure(found)),
     )

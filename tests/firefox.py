@@ -6,6 +6,7 @@ import json
 import socket
 import subprocess
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -73,7 +74,8 @@ class Firefox:
 
     def _received(self) -> bytes:
         found = self.socket.recv(1 << 20)
-        assert found, "firefox ended the connection"
+        if not found:
+            raise ConnectionError("firefox ended the connection")
         return found
 
     def in_browser(self, script: str, *arguments: object) -> Any:
@@ -84,7 +86,8 @@ class Firefox:
         return result["value"]
 
     def close(self) -> None:
-        self.call("Marionette:Quit", flags=["eForceQuit"])
+        with suppress(ConnectionError):  # it may end before it answers
+            self.call("Marionette:Quit", flags=["eForceQuit"])
         self.process.wait(60)
 
 

@@ -69,14 +69,14 @@ def test_one_displaced_keypoint_is_found(part, vector):
 
 
 def test_estimates_have_the_stated_standard_errors():
-    """Of 30 seeds, with the vectors known to the millimetre to which they are rounded."""
+    """Of 30 seeds; the rounding to a millimetre is part of them."""
     normalised = []
     for seed in range(30):
         moved = [without_displacements(one, {"hinge": (-0.03, 0.0)})
                  for one in circles(seed, std_m=0.01)]  # fmt: skip
         one = found_in(moved)["hinge"]
-        std = np.hypot([one.x_std_m, one.y_std_m], 0.001 / 12**0.5)
-        normalised += list((np.array([one.x_m, one.y_m]) - (0.03, 0.0)) / std)
+        errors = np.array([one.x_m, one.y_m]) - (0.03, 0.0)
+        normalised += list(errors / [one.x_std_m, one.y_std_m])
     assert 0.5 < np.std(normalised) < 1.3
 
 

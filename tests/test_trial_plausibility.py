@@ -834,3 +834,13 @@ def test_a_robot_of_another_size_than_those_of_the_validation_is_a_warning(tmp_p
     found = setup_warnings(setup.model_copy(update={"robot": robot.model_copy(update=size)}))
     length = f"body_length_m {size['body_length_m']:g} is outside 0.2 to 1.2 m"
     assert [text.startswith(length) for text in found] == [True] * warned
+
+
+def test_pictures_of_another_size_than_most_are_named(tmp_path):
+    study = load_study(small_study(tmp_path / "study"))
+    sizes = {"T09": [1920, 1080], "T10": [1920, 1080], "T11": [1280, 720]}
+    statuses = {name: {"ok": True, "size_px": size} for name, size in sizes.items()}
+    (text,) = [t for t in trial_warnings(study, statuses) if "px" in t]
+    assert text.startswith("trial T11: pictures of 1280 x 720 px, in most other trials of 1920")
+    alike = {name: {"ok": True, "size_px": [1920, 1080]} for name in sizes}
+    assert not any("px" in t for t in trial_warnings(study, alike))

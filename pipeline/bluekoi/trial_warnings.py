@@ -13,7 +13,11 @@ from .camera.turned_picture import turned_picture_warnings
 from .motor.log_synchrony import log_synchrony_warnings
 from .motor.power_consistency import power_warnings
 from .motor.stated_frequency import rounded_frequency_warnings
-from .motor.swimming_plausibility import clock_and_length_warnings, tail_warnings
+from .motor.swimming_plausibility import (
+    clock_and_length_warnings,
+    tail_warnings,
+    trial_list_text,
+)
 from .pose.exchanged_frames import exchanged_frames_warnings
 from .pose.trial_comparison import comparison_warnings
 from .study import Study
@@ -66,6 +70,23 @@ def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> l
         *turned_picture_warnings(trials, statuses),
         *deviating_edge_warnings(statuses, study.setup.pool),
         *comparison_warnings(study, statuses),
+        *_picture_size_warnings(statuses),
+    ]
+
+
+def _picture_size_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """A sentence for each size of pictures that is not that of most trials."""
+    trials: dict[tuple[int, ...], list[str]] = {}
+    for name, status in statuses.items():
+        if size := status.get("size_px"):
+            trials.setdefault(tuple(size), []).append(name)
+    usual = max(trials, key=lambda size: len(trials[size]), default=())
+    return [
+        f"{trial_list_text(names, len(statuses))}: pictures of {size[0]} x {size[1]} px, in most "
+        f"other trials of {usual[0]} x {usual[1]} px. In another mode a camera shows another part "
+        "of the scene; then neither pool_corners_px nor matrix holds for these pictures."
+        for size, names in trials.items()
+        if size != usual
     ]
 
 

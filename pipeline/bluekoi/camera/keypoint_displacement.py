@@ -44,11 +44,13 @@ MAX_ESTIMATES = 6
 DECIMALS = 3
 """Displacements are used to the millimetre, as the depth is: their last digits change with every
 trial that is added, and each change would place the keypoints of all trials again."""
+ROUNDING_VARIANCE_M2 = 0.1 ** (2 * DECIMALS) / 12.0
 
 
 @dataclass(frozen=True)
 class KeypointDisplacement:
-    """Displacement (x, y) of a keypoint in the pool frame, with its standard errors, m.
+    """Displacement (x, y) of a keypoint in the pool frame, with its standard errors, m, which
+    include the rounding.
 
     sigmas: distance from 0 in standard errors.
     """
@@ -123,7 +125,7 @@ def _displaced(
         sigmas = float(np.sqrt(whole @ np.linalg.solve(cov, whole)))
         if sigmas > MIN_SIGMAS and np.hypot(*whole) > MIN_DISPLACEMENT_SHARE * core_m:
             x, y = np.round(whole, DECIMALS)
-            x_std, y_std = np.sqrt(np.diag(cov))
+            x_std, y_std = np.sqrt(np.diag(cov) + ROUNDING_VARIANCE_M2)
             found[name] = KeypointDisplacement(
                 float(x), float(y), float(x_std), float(y_std), sigmas
             )

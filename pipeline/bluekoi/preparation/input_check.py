@@ -67,8 +67,8 @@ def check_files(
             if trial.reads_keypoints:
                 statuses[trial.trial_id] = _check_keypoints(study, trial)
             else:
-                logged, remarks[trial.trial_id] = _check_footage(study, trial)
-                statuses[trial.trial_id] = {"ok": True, "logged_share": logged}
+                found_in_film, remarks[trial.trial_id] = _check_footage(study, trial)
+                statuses[trial.trial_id] = {"ok": True, **found_in_film}
         except InputError as error:
             found += [_with_study_folder(study.root, one) for one in error.findings]
         progress(done / len(study.trials))
@@ -155,8 +155,9 @@ def _check_keypoints(study: Study, trial: Trial) -> dict[str, Any]:
     return dict(to_json_types(status))
 
 
-def _check_footage(study: Study, trial: Trial) -> tuple[float | None, tuple[str, ...]]:
-    """Share of the footage of a trial that its motor log covers (None without a log), and remarks.
+def _check_footage(study: Study, trial: Trial) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Of the footage of a trial: size of its pictures, and share that its motor log covers (None
+    without a log), in the words of status/ID.json; and remarks.
 
     Raises: InputError where a trial's motor log or footage cannot be read, or the log is of another
     time or contradicts flap_hz.
@@ -168,7 +169,8 @@ def _check_footage(study: Study, trial: Trial) -> tuple[float | None, tuple[str,
     _check_start_in_picture(study, trial, film.size_px)
     check_frame_count(study, trial, film.frames_in_part, film.fps or film.nominal_fps)
     end_s = film.duration_s if trial.end_s is None else min(trial.end_s, film.duration_s)
-    return _check_motor_log(study, trial, end_s), film.remarks
+    logged = _check_motor_log(study, trial, end_s)
+    return {"size_px": list(film.size_px), "logged_share": logged}, film.remarks
 
 
 def _check_motor_log(study: Study, trial: Trial, end_s: float) -> float | None:

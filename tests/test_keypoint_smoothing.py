@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from test_keypoint_displacement import ROBOT, circles
 
+from bluekoi.camera.keypoint_displacement import keypoint_displacements
 from bluekoi.camera.keypoint_smoothing import (
     CAUSES_HIDDEN_BY_SMOOTHING,
     keypoint_smoothing,
@@ -64,3 +65,13 @@ def test_a_warning_says_what_is_not_judged():
     assert "`_filtered`" in text
     assert all(name in text for name in CAUSES_HIDDEN_BY_SMOOTHING)
     assert length_warnings({"keypoint_smoothing": None}, None) == []
+
+
+def test_files_without_a_core_centre_show_neither_error():
+    """Only the head's length is checked then, which is not enough."""
+    kept = [0, 1, 3]
+    raw = [Positions(one.time_s, tuple(np.array(one.names)[kept]), one.xy_m[:, kept],
+                     one.cov_m2[:, kept], one.likelihood[:, kept])
+           for one in circles(4)]  # fmt: skip
+    assert keypoint_smoothing(lengths(raw)) is None
+    assert keypoint_displacements(raw, [0.12] * len(raw), ROBOT) == {}

@@ -27,7 +27,7 @@ from .length_regression import (
     DISPLACEMENT_STD_SHARE,
     by_keypoint,
     directions_of_lengths,
-    length_of_core_m,
+    length_of_rigid_parts_m,
     regress_lengths,
 )
 from .length_windows import window_means
@@ -37,8 +37,8 @@ MIN_SIGMAS = 5.0
 """Standard errors from 0 beyond which a keypoint counts as displaced. Fifteen studies
 of `campus_pool` 5841, `tidal_lock` 9402 and `leading_plate` 5701, in which no keypoint is displaced
 in this way, reach 2.4 (60 keypoints)."""
-MIN_DISPLACEMENT_SHARE = 0.01
-"""Smallest displacement that is corrected, over the length of the core from hinge to tail base:
+MIN_DISPLACEMENT_SHARE = 0.006
+"""Smallest displacement that is corrected, over the length of the rigid parts from nose to tail:
 2 mm for the published robot, whose keypoints are labelled to 1 mm in careful work."""
 MAX_ESTIMATES = 6
 DECIMALS = 3
@@ -78,7 +78,7 @@ def keypoint_displacements(
     for _ in range(MAX_ESTIMATES):
         corrected = [without_displacements(one, vectors) for one in trials]
         windows = window_means(rigid_distances(corrected, head_lengths_m, robot))
-        found = _displaced(_remaining_vectors(windows), vectors, length_of_core_m(windows))
+        found = _displaced(_remaining_vectors(windows), vectors, length_of_rigid_parts_m(windows))
         if vectors_m(found) == vectors:
             break
         vectors = vectors_m(found)
@@ -106,7 +106,7 @@ def _remaining_vectors(windows: RigidDistances) -> dict[str, tuple[Float, Float]
     if len(patterns) < 3:
         return {}
     columns = np.column_stack(list(patterns.values()))
-    std_m = DISPLACEMENT_STD_SHARE * length_of_core_m(windows)
+    std_m = DISPLACEMENT_STD_SHARE * length_of_rigid_parts_m(windows)
     estimate, cov = regress_lengths(windows, columns, np.full(columns.shape[1], std_m))
     vectors = estimate.reshape(-1, 2)
     vectors = vectors - np.median(vectors, axis=0)
@@ -116,14 +116,14 @@ def _remaining_vectors(windows: RigidDistances) -> dict[str, tuple[Float, Float]
 def _displaced(
     remaining: Mapping[str, tuple[Float, Float]],
     corrected: Mapping[str, tuple[float, float]],
-    core_m: float,
+    body_m: float,
 ) -> dict[str, KeypointDisplacement]:
     """The keypoints that are displaced, by what was corrected and what remains."""
     found = {}
     for name, (vector, cov) in remaining.items():
         whole = vector + np.array(corrected.get(name, (0.0, 0.0)))
         sigmas = float(np.sqrt(whole @ np.linalg.solve(cov, whole)))
-        if sigmas > MIN_SIGMAS and np.hypot(*whole) > MIN_DISPLACEMENT_SHARE * core_m:
+        if sigmas > MIN_SIGMAS and np.hypot(*whole) > MIN_DISPLACEMENT_SHARE * body_m:
             x, y = np.round(whole, DECIMALS)
             x_std, y_std = np.sqrt(np.diag(cov) + ROUNDING_VARIANCE_M2)
             found[name] = KeypointDisplacement(

@@ -20,7 +20,7 @@ from .keypoint_displacement import displacement_patterns
 from .length_regression import (
     DISPLACEMENT_STD_SHARE,
     directions_of_lengths,
-    length_of_core_m,
+    length_of_rigid_parts_m,
     regress_lengths,
 )
 from .length_windows import window_means
@@ -60,7 +60,7 @@ def keypoint_smoothing(distances: RigidDistances) -> KeypointSmoothing | None:
         return None
     displaced = [p for p in displacement_patterns(windows).values() if p.any()]
     columns = np.column_stack([-0.5 * windows.known_m * rates**2, *displaced])
-    std_m = DISPLACEMENT_STD_SHARE * length_of_core_m(windows)
+    std_m = DISPLACEMENT_STD_SHARE * length_of_rigid_parts_m(windows)
     stds = np.full(columns.shape[1], std_m)
     stds[0] = MAX_SMOOTHING_S**2 / 12.0 / 3.0
     estimate, cov = regress_lengths(windows, columns, stds)

@@ -18,7 +18,8 @@ from .geometry_hypotheses import SYSTEMATIC_LENGTH_ERROR_SHARE
 from .rigid_distances import RIGID_PAIRS, RigidDistances, length_excess_by_keypoint_shift
 
 DISPLACEMENT_STD_SHARE = 0.1
-"""Prior standard deviation of a displacement of a keypoint over the core's length: wide."""
+"""Prior standard deviation of a displacement of a keypoint over the length of the rigid parts:
+wide."""
 STRETCH_STD, RELATIVE_HEIGHT_STD = 0.02, 0.02
 """Prior standard deviations, wide: of a relative stretch, and of a keypoint's height above the
 others over the height of the camera (3 cm seen from 1.5 m)."""
@@ -54,11 +55,10 @@ def regress_lengths(
     return np.asarray(b[:k]), np.asarray(cov[:k, :k])
 
 
-def length_of_core_m(windows: RigidDistances) -> float:
-    """Known length from hinge to tail base, m, of those of its parts that were seen."""
+def length_of_rigid_parts_m(windows: RigidDistances) -> float:
+    """Sum of the known lengths, m, of all parts that were seen."""
     pair = windows.pair.round()
-    parts = [np.median(windows.known_m[pair == k]) for k in (1, 2) if (pair == k).any()]
-    return float(sum(parts))
+    return float(sum(np.median(windows.known_m[pair == k]) for k in np.unique(pair)))
 
 
 def directions_of_lengths(windows: RigidDistances) -> Float:
@@ -81,11 +81,8 @@ def by_keypoint(windows: RigidDistances, front: Float, back: Float) -> dict[str,
 
 def _other_patterns(windows: RigidDistances) -> tuple[Float, Float]:
     """Z (n, z) of the other changes of lengths, and their prior standard deviations (z,)."""
-    u, pair, core_m = (
-        directions_of_lengths(windows),
-        windows.pair.round(),
-        length_of_core_m(windows),
-    )
+    u, pair = directions_of_lengths(windows), windows.pair.round()
+    body_m = length_of_rigid_parts_m(windows)
     middle = 0.5 * (windows.front_m + windows.back_m)
     center = middle.mean(axis=0)
     on_body = [*length_excess_by_keypoint_shift(windows).values(),
@@ -93,14 +90,14 @@ def _other_patterns(windows: RigidDistances) -> tuple[Float, Float]:
     outwards = [np.sum(u * (end - center), axis=1)[:, None]
                 for end in (windows.front_m, windows.back_m)]  # fmt: skip
     heights = [pattern[:, 0] for pattern in by_keypoint(windows, *outwards).values()]
-    x, y = ((middle - center) / np.maximum(np.ptp(middle, axis=0), core_m)).T * 2.0
+    x, y = ((middle - center) / np.maximum(np.ptp(middle, axis=0), body_m)).T * 2.0
     ones = np.ones_like(x)
     directions = (ones, u[:, 0] ** 2 - u[:, 1] ** 2, 2.0 * u[:, 0] * u[:, 1])
     places = (ones, x, y, x * x, x * y, y * y)
     stretches = [windows.known_m * place * way for place in places for way in directions]
     columns = np.column_stack([*on_body, *heights, *stretches])
     stds = np.repeat(
-        [DISPLACEMENT_STD_SHARE * core_m, RELATIVE_HEIGHT_STD, STRETCH_STD],
+        [DISPLACEMENT_STD_SHARE * body_m, RELATIVE_HEIGHT_STD, STRETCH_STD],
         [len(on_body), len(heights), len(stretches)],
     )
     return columns, stds

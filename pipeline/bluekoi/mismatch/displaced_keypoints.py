@@ -20,7 +20,7 @@ def with_keypoint_bias_cause(
     displaced.
 
     displacements: `keypoint_displacements` of geometry.json, which the tracks do not contain.
-    An offset on the body that the search found besides is included.
+    The cause includes an offset on the body that the search found.
     """
     if not displacements:
         return dict(content)

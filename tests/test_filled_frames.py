@@ -62,7 +62,7 @@ def test_the_filled_gaps_of_all_trials_are_named_in_one_sentence() -> None:
     gap = {"from_s": 2.0, "to_s": 2.7667, "frames": 24}
     (text,) = filled_gap_warnings({"T1": gap, "T2": gap})
     assert text.startswith(
-        "In trials T1 from 2.00 to 2.77 s, T2 from 2.00 to 2.77 s, all keypoints"
+        "In trials T1 from 2.00 to 2.77 s, T2 from 2.00 to 2.77 s, each keypoint"
     )
     assert filled_gap_warnings({}) == []
 
@@ -70,6 +70,19 @@ def test_the_filled_gaps_of_all_trials_are_named_in_one_sentence() -> None:
 def test_measured_frames_and_a_robot_that_waits_are_not_called_filled() -> None:
     assert longest_filled_gap(swimming_keypoints()) is None
     assert longest_filled_gap(swimming_keypoints(rest_frames=40)) is None
+
+
+def test_gaps_in_files_with_six_digits_are_found_beyond_a_thousand_pixels() -> None:
+    """1000.43 and 999.431: the second difference of rounded points is up to 0.02."""
+    seen = swimming_keypoints()
+    far = replace(seen, xy_px=seen.xy_px + 1000.0)
+    filled = with_frames(far, 60, 24, still=False)
+    rounded = replace(filled, xy_px=np.round(filled.xy_px, 2))
+    assert np.abs(np.diff(rounded.xy_px[61:82], n=2, axis=0)).max() > 0.005
+    gap = longest_filled_gap(rounded)
+    assert gap is not None
+    assert 22 <= gap["frames"] <= 25
+    assert longest_filled_gap(replace(far, xy_px=np.round(far.xy_px, 2))) is None
 
 
 def test_points_of_low_likelihood_are_a_detectors_own_filling() -> None:

@@ -41,9 +41,9 @@ MIN_DISPLACEMENT_SHARE = 0.006
 """Smallest displacement that is corrected, over the length of the rigid parts from nose to tail:
 2 mm for the published robot, whose keypoints are labelled to 1 mm in careful work."""
 MAX_ESTIMATES = 6
-DECIMALS = 3
-"""Displacements are used to the millimetre, as the depth is: their last digits change with every
-trial that is added, and each change would place the keypoints of all trials again."""
+DECIMALS = 4
+"""Displacements are used to a tenth of a millimetre: their last digits change with every trial that
+is added, and each change places the keypoints of all trials again."""
 ROUNDING_VARIANCE_M2 = 0.1 ** (2 * DECIMALS) / 12.0
 
 

@@ -29,6 +29,12 @@ the lags alike and the others arbitrary, two groups appear by chance in 0.05 % o
 five trials and in 0.4 % with twelve (20,000 draws each; a test repeats the latter). If all lags are
 arbitrary, they appear in 10 % with five and in 84 % with eight, mostly beside further lags.
 """
+HALF_BEAT_TOLERANCE_BEATS = 0.05
+"""Lags within this of half a beat have a second explanation."""
+HALF_BEAT_REMEDY = (
+    " A lag of half a beat is also that of a mirrored picture, and of keypoints that were averaged "
+    "over more than a beat."
+)
 REMEDY = (
     "Do video and log begin together, is the beginning of the video cut off, and is the log this "
     "trial's? Check motor_log and start_s."
@@ -73,6 +79,7 @@ def _out_of_step_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
         f"Trial {name}: the tail beats {abs(by) / (2 * np.pi * beat['flap_hz']) * 1e3:.0f} ms "
         f"{'before' if by < 0 else 'after'} the time at which the motor log and the other trials "
         f"have it, or that and whole beats of {1e3 / beat['flap_hz']:.0f} ms. {REMEDY}"
+        f"{_half_beat_remedy(by / (2.0 * np.pi))}"
         for (name, beat), by in zip(beats.items(), off, strict=True)
         if by != 0.0
     ]
@@ -97,7 +104,12 @@ def _two_delays_warning(names: np.ndarray, flap_hz: Float, groups: LagGroups) ->
         f"{'earlier' if later_ms < 0 else 'later'}, or by that plus a whole number of "
         f"beats of {beat_ms:.0f} ms: in one of these groups, log and video do not begin "
         "together. Check time_s in the motor logs, and start_s."
+        f"{_half_beat_remedy(groups.lag_difference_beats)}"
     )
+
+
+def _half_beat_remedy(lag_beats: float) -> str:
+    return HALF_BEAT_REMEDY if abs(abs(lag_beats) - 0.5) < HALF_BEAT_TOLERANCE_BEATS else ""
 
 
 def _scattered_delays_warning(names: np.ndarray, flap_hz: Float, groups: LagGroups) -> str:

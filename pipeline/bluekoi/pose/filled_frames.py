@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Keypoints
+from ..data import Float, Keypoints
 
-MAX_SECOND_DIFFERENCE_PX = 0.005
-"""Second difference of a coordinate that rounding to a hundredth of a pixel and less leaves."""
+DECIMALS_OF_PIXELS = (2, 3)
+"""Coordinates are taken to be written with two decimals if they have no more, else with three. The
+second difference of a straight line is then at most twice the last digit."""
+ROUNDING_PX = 1e-6
 MIN_FILLED_FRAMES = 8
 """Frames of a gap from which it is named."""
 MIN_LIKELIHOOD = 0.5
@@ -46,12 +48,24 @@ def _filled_gaps(keypoints: Keypoints) -> list[tuple[int, int]]:
     """First frame, and frame after the last one, of each gap that was filled in."""
     xy = np.where(keypoints.likelihood[:, :, None] >= MIN_LIKELIHOOD, keypoints.xy_px, np.nan)
     bends = np.abs(np.diff(xy, n=2, axis=0)).reshape(max(len(xy) - 2, 0), -1)
-    straight = np.isfinite(bends).any(axis=1) & ~(bends > MAX_SECOND_DIFFERENCE_PX).any(axis=1)
+    limit = 2.0 * _last_digit_px(xy).reshape(len(xy), -1)
+    limit = np.maximum(np.maximum(limit[:-2], limit[1:-1]), limit[2:]) + ROUNDING_PX
+    straight = np.isfinite(bends).any(axis=1) & ~(bends > limit).any(axis=1)
     travel = np.linalg.norm(xy - xy[:1], axis=2)
     straight &= np.maximum.accumulate((travel > MIN_TRAVEL_PX).any(axis=1))[1:-1]
     edges = np.flatnonzero(np.diff(np.concatenate([[0], straight.astype(int), [0]])))
     runs = edges.reshape(-1, 2) + 1  # a second difference belongs to the frame in its middle
     return [(int(first), int(end)) for first, end in runs if end - first >= MIN_FILLED_FRAMES]
+
+
+def _last_digit_px(xy: Float) -> Float:
+    """Last digit with which coordinates are written: programs that write six digits in all leave
+    two decimals from 1000 px on.
+    """
+    coarse, fine = (10.0**-decimals for decimals in DECIMALS_OF_PIXELS)
+    with np.errstate(invalid="ignore"):
+        is_coarse = np.abs(xy / coarse - np.round(xy / coarse)) < ROUNDING_PX / coarse
+    return np.where(is_coarse, coarse, fine)
 
 
 def filled_gap_warnings(gaps: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -61,8 +75,9 @@ def filled_gap_warnings(gaps: Mapping[str, Mapping[str, Any]]) -> list[str]:
     places = ", ".join(f"{name} from {gap['from_s']:.2f} to {gap['to_s']:.2f} s"
                        for name, gap in gaps.items())  # fmt: skip
     return [
-        f"In trial{'s' if len(gaps) > 1 else ''} {places}, all keypoints move by the same step "
-        "from frame to frame or stand still, to the last digit. These frames were filled in and "
-        "not measured; they are not used. Leave their cells empty, so that other programs do not "
-        "use them either."
+        f"In trial{'s' if len(gaps) > 1 else ''} {places}, each keypoint repeats its step from one "
+        "frame to the next exactly, or stands still. These frames were filled in and not measured. "
+        f"They and other such gaps of {MIN_FILLED_FRAMES} frames or more are not used; shorter "
+        "gaps cannot be told from measured frames. Leave the cells of all frames empty that were "
+        "not measured."
     ]

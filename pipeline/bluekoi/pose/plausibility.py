@@ -230,7 +230,8 @@ def _jump_findings(source: str, place: str, study: Study, pose: Pose) -> list[In
     found = f"a robot that jumps {way:.2f} m between {t[at]:.2f} and {t[at + 1]:.2f} s"
     remedy = (
         "Is there a cut in the recording (start_s and end_s choose a part), another body, a "
-        "keypoint that is missing in part of the frames, or fps far too high?"
+        "keypoint that is missing in part of the frames, a gap filled in with the last pose, or "
+        "fps far too high?"
     )
     return [InputIssue(source, place, found, "one path", remedy)]
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from bluekoi.camera.keypoint_displacement import (
+    displacements_by_part,
     keypoint_displacements,
     vectors_m,
     without_displacements,
@@ -80,6 +81,33 @@ def test_estimates_have_the_stated_standard_errors():
     assert 0.5 < np.std(normalised) < 1.3
 
 
+def test_a_displacement_that_begins_within_the_session_is_found_with_its_trials():
+    trials = [*circles(1), *circles(2), *circles(3)]
+    late = [without_displacements(one, {"hinge": (-0.015, 0.0)}) for one in trials[8:]]
+    ((part, found),) = displacements_by_part([*trials[:8], *late], [0.12] * 18, ROBOT)
+    assert part == range(8, 18)
+    assert vectors_m(found)["hinge"] == pytest.approx((0.015, 0.0), abs=0.001)
+
+
+def test_a_displacement_that_turns_round_has_two_parts():
+    trials = [*circles(4), *circles(5), *circles(6)]
+    moved = [without_displacements(one, {"tail_base": (0.01 if k < 9 else -0.01, 0.0)})
+             for k, one in enumerate(trials)]  # fmt: skip
+    found = displacements_by_part(moved, [0.12] * 18, ROBOT)
+    assert [part for part, _ in found] == [range(9), range(9, 18)]
+    assert [vectors_m(one)["tail_base"][0] for _, one in found] == pytest.approx(
+        [-0.01, 0.01], abs=0.001
+    )
+
+
+def test_a_lasting_displacement_has_one_part():
+    trials = [*circles(7), *circles(8)]
+    moved = [without_displacements(one, {"hinge": (-0.02, 0.0)}) for one in trials]
+    ((part, _),) = displacements_by_part(moved, [0.12] * 12, ROBOT)
+    assert part == range(12)
+    assert displacements_by_part(trials, [0.12] * 12, ROBOT) == []
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_nothing_is_found_in_exact_lengths(seed):
     assert found_in(circles(seed)) == {}
@@ -140,7 +168,7 @@ def test_tracks_of_a_study_are_corrected(tmp_path):
         keypoint_errors(study, results)
         geometry(study, results)
         displaced = json.loads((results / "geometry.json").read_text())["keypoint_displacements"]
-        assert list(displaced) == (["hinge"] if shift else [])
+        assert [list(part["keypoints"]) for part in displaced] == ([["hinge"]] if shift else [])
         for trial_id in SMALL_STUDY_TRIALS:
             tracks(study, results, trial_id)
         heads.append(read_pose(results / f"poses/{SMALL_STUDY_TRIALS[-1]}.csv").values[:, 3])
@@ -148,14 +176,16 @@ def test_tracks_of_a_study_are_corrected(tmp_path):
 
 
 def test_the_verdict_names_keypoint_bias_first():
-    displaced = {"hinge": {"x_m": 0.0, "y_m": -0.012, "x_std_m": 2e-4, "y_std_m": 3e-4,
-                           "sigmas": 40.0}}  # fmt: skip
+    hinge = {"x_m": 0.0, "y_m": -0.012, "x_std_m": 2e-4, "y_std_m": 3e-4, "sigmas": 40.0}
+    displaced = [{"trials": ["T1", "T2"], "keypoints": {"hinge": hinge}}]
     on_body = {"name": "keypoint_bias", "weight": 0.9, "parameters": {"left_offset": {"value": 1}}}
     other = {"name": "stall", "weight": 0.9, "parameters": {}}
     content = EMPTY_VERDICT | {"causes": [other, on_body]}
-    result = with_keypoint_bias_cause(content, displaced)
+    result = with_keypoint_bias_cause(content, displaced, 2)
     assert [c["name"] for c in result["causes"]] == ["keypoint_bias", "stall"]
-    assert "hinge by 12 mm, -90 degrees from the x axis" in result["sentence"]
+    assert "in all 2 trials, hinge by 12.0 mm, -90 degrees from the x axis" in result["sentence"]
     assert result["causes"][0]["parameters"].keys() == {"hinge_x", "hinge_y", "left_offset"}
     assert result["probabilities"]["keypoint_bias"] == 1.0
-    assert with_keypoint_bias_cause(content, {}) == content
+    assert with_keypoint_bias_cause(content, [], 2) == content
+    later = with_keypoint_bias_cause(content, displaced, 5)
+    assert "in 2 trials from T1 to T2, hinge by 12.0 mm" in later["sentence"]

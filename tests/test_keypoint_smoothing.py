@@ -39,7 +39,9 @@ def test_the_duration_of_a_moving_average_is_measured(frames):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_raw_keypoints_show_no_smoothing(seed):
-    assert keypoint_smoothing(lengths(circles(seed))) is None
+    found = keypoint_smoothing(lengths(circles(seed)))
+    assert not found.is_found
+    assert 0.1 < found.least_duration_s < 1.0
 
 
 def test_lengths_without_the_smoothing_are_the_stated_ones():
@@ -55,7 +57,7 @@ def test_lengths_without_the_smoothing_are_the_stated_ones():
 def test_a_keypoint_displaced_in_the_pool_is_no_smoothing():
     moved = [replace(one, xy_m=one.xy_m + np.array([[0.01, 0], [0, 0], [0, 0], [0, 0]]))
              for one in circles(5)]  # fmt: skip
-    assert keypoint_smoothing(lengths(moved)) is None
+    assert not keypoint_smoothing(lengths(moved)).is_found
 
 
 def test_a_warning_says_what_is_not_judged():
@@ -67,11 +69,21 @@ def test_a_warning_says_what_is_not_judged():
     assert length_warnings({"keypoint_smoothing": None}, None) == []
 
 
+def test_a_cause_that_invisible_smoothing_imitates_has_a_warning():
+    named = {"causes": [{"name": "motor_spin_up", "weight": 0.9}]}
+    (text,) = length_warnings({"least_visible_smoothing_s": 0.42}, named)
+    assert "look like motor_spin_up" in text
+    assert "less than 0.42 s" in text
+    assert length_warnings({"least_visible_smoothing_s": 0.12}, named) == []
+    assert length_warnings({"least_visible_smoothing_s": None}, named) == []
+    assert length_warnings({"least_visible_smoothing_s": 0.42}, {"causes": []}) == []
+
+
 def test_files_without_a_core_centre_show_neither_error():
     """Only the head's length is checked then, which is not enough."""
     kept = [0, 1, 3]
     raw = [Positions(one.time_s, tuple(np.array(one.names)[kept]), one.xy_m[:, kept],
                      one.cov_m2[:, kept], one.likelihood[:, kept])
            for one in circles(4)]  # fmt: skip
-    assert keypoint_smoothing(lengths(raw)) is None
+    assert not keypoint_smoothing(lengths(raw)).is_found
     assert keypoint_displacements(raw, [0.12] * len(raw), ROBOT) == {}

@@ -64,9 +64,11 @@ class Campaign:
         )
 
     @property
-    def keypoint_displacements(self) -> JsonMapping:
-        """Keypoint -> displacement in the pool, of those that the tracks are corrected for."""
-        found: JsonMapping = (self.geometry or {}).get("keypoint_displacements") or {}
+    def keypoint_displacements(self) -> Sequence[JsonMapping]:
+        """Displacements of keypoints in the pool that the tracks are corrected for: `trials` and
+        `keypoints` of each part of the session.
+        """
+        found: Sequence[JsonMapping] = (self.geometry or {}).get("keypoint_displacements") or []
         return found
 
     @property

@@ -27,6 +27,7 @@ from .length_regression import (
     DISPLACEMENT_STD_SHARE,
     by_keypoint,
     directions_of_lengths,
+    length_misfit,
     length_of_rigid_parts_m,
     regress_lengths,
 )
@@ -40,7 +41,7 @@ in this way, reach 2.4 (60 keypoints)."""
 MIN_DISPLACEMENT_SHARE = 0.006
 """Smallest displacement that is corrected, over the length of the rigid parts from nose to tail:
 2 mm for the published robot, whose keypoints are labelled to 1 mm in careful work."""
-MAX_ESTIMATES = 6
+MAX_ESTIMATES, MAX_CHANGES_TRIED = 6, 40
 DECIMALS = 4
 """Displacements are used to a tenth of a millimetre: their last digits change with every trial that
 is added, and each change places the keypoints of all trials again."""
@@ -60,6 +61,74 @@ class KeypointDisplacement:
     x_std_m: float
     y_std_m: float
     sigmas: float
+
+
+def displacements_by_part(
+    trials: Sequence[Positions], head_lengths_m: Sequence[float], robot: Robot
+) -> list[tuple[range, dict[str, KeypointDisplacement]]]:
+    """Displaced keypoints of each part of the session (places in `trials`, in the order of filming)
+    in which there are any. There is one part, or two where a displacement begins, ends or changes,
+    as when a lamp is moved.
+
+    Raises: InputError where no rigid pair is ever seen.
+    """
+    common = keypoint_displacements(trials, head_lengths_m, robot)
+    corrected = [without_displacements(one, vectors_m(common)) for one in trials]
+    parts = _parts_of_session(corrected, head_lengths_m, robot)
+    if len(parts) == 1:
+        return [(parts[0], common)] if common else []
+    each = [
+        keypoint_displacements([trials[k] for k in part], [head_lengths_m[k] for k in part], robot)
+        for part in parts
+    ]
+    first, second = map(vectors_m, each)
+    if common and _are_alike(first, second, MIN_DISPLACEMENT_SHARE * robot.body_length_m):
+        return [(range(len(trials)), common)]
+    return [(part, found) for part, found in zip(parts, each, strict=True) if found]
+
+
+def _are_alike(
+    one: Mapping[str, tuple[float, float]], other: Mapping[str, tuple[float, float]], least_m: float
+) -> bool:
+    """Whether the same keypoints are displaced, by vectors that differ by less than `least_m`."""
+    return one.keys() == other.keys() and all(
+        np.hypot(*np.subtract(one[name], other[name])) < least_m for name in one
+    )
+
+
+def _parts_of_session(
+    trials: Sequence[Positions], head_lengths_m: Sequence[float], robot: Robot
+) -> list[range]:
+    """Parts that are displaced alike. The best of up to `MAX_CHANGES_TRIED` places of a change
+    counts if it lowers the misfit by more than `MIN_SIGMAS`^2 and the choice among them allow.
+
+    Raises: InputError where no rigid pair is ever seen.
+    """
+    whole, count = range(len(trials)), len(trials)
+    windows = window_means(rigid_distances(trials, head_lengths_m, robot))
+    patterns = [p for p in displacement_patterns(windows).values() if p.any()]
+    places = np.linspace(2, count - 2, min(max(count - 3, 0), MAX_CHANGES_TRIED))
+    if len(patterns) < 3 or not len(places):
+        return [whole]
+    columns = np.column_stack(patterns)
+    stds = np.full(columns.shape[1], DISPLACEMENT_STD_SHARE * length_of_rigid_parts_m(windows))
+
+    def in_two_parts(first: int) -> Float:
+        before = (windows.trial < first)[:, None]
+        return np.column_stack([columns * before, columns * ~before])
+
+    _, _, variance = regress_lengths(windows, columns, stds)
+    twice = np.concatenate([stds, stds])
+    tried = {int(first): length_misfit(windows, in_two_parts(int(first)), twice, variance)
+             for first in places.round()}  # fmt: skip
+    change = min(tried, key=lambda first: tried[first])
+    _, _, variance = regress_lengths(windows, in_two_parts(change), twice)
+    gain = length_misfit(windows, columns, stds, variance) - length_misfit(
+        windows, in_two_parts(change), twice, variance
+    )
+    if gain < MIN_SIGMAS**2 + 2.0 * np.log(len(tried)):
+        return [whole]
+    return [range(change), range(change, count)]
 
 
 def keypoint_displacements(
@@ -107,7 +176,7 @@ def _remaining_vectors(windows: RigidDistances) -> dict[str, tuple[Float, Float]
         return {}
     columns = np.column_stack(list(patterns.values()))
     std_m = DISPLACEMENT_STD_SHARE * length_of_rigid_parts_m(windows)
-    estimate, cov = regress_lengths(windows, columns, np.full(columns.shape[1], std_m))
+    estimate, cov, _ = regress_lengths(windows, columns, np.full(columns.shape[1], std_m))
     vectors = estimate.reshape(-1, 2)
     vectors = vectors - np.median(vectors, axis=0)
     return {name: (vectors[k], _relative_covariance(cov, k)) for k, name in enumerate(patterns)}

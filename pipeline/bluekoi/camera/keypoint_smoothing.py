@@ -43,15 +43,24 @@ class KeypointSmoothing:
     """Duration of the moving average that shortens lengths as they are found.
 
     variance_s2: s^2, of the weights. sigmas: distance of s^2 from 0 in standard errors.
+    least_duration_s: duration of the shortest moving average that these lengths would show.
     """
 
     duration_s: float
     variance_s2: float
     sigmas: float
+    least_duration_s: float
+
+    @property
+    def is_found(self) -> bool:
+        """Whether the keypoints count as smoothed."""
+        return self.sigmas > MIN_SIGMAS
 
 
 def keypoint_smoothing(distances: RigidDistances) -> KeypointSmoothing | None:
-    """The smoothing that rigid lengths (n,) of all trials show; None where they show none."""
+    """The smoothing that rigid lengths (n,) of all trials show, or would show at least; None where
+    too few lengths turn.
+    """
     windows = window_means(distances)
     rates = yaw_rates_of_lengths(windows, windows)
     known = np.isfinite(rates)
@@ -63,11 +72,14 @@ def keypoint_smoothing(distances: RigidDistances) -> KeypointSmoothing | None:
     std_m = DISPLACEMENT_STD_SHARE * length_of_rigid_parts_m(windows)
     stds = np.full(columns.shape[1], std_m)
     stds[0] = MAX_SMOOTHING_S**2 / 12.0 / 3.0
-    estimate, cov = regress_lengths(windows, columns, stds)
-    sigmas = float(estimate[0] / np.sqrt(cov[0, 0]))
-    if sigmas < MIN_SIGMAS:
-        return None
-    return KeypointSmoothing(float(np.sqrt(12.0 * estimate[0])), float(estimate[0]), sigmas)
+    estimate, cov, _ = regress_lengths(windows, columns, stds)
+    std = float(np.sqrt(cov[0, 0]))
+    variance_s2 = float(max(estimate[0], 0.0))
+    return KeypointSmoothing(
+        duration_s=float(np.sqrt(12.0 * variance_s2)), variance_s2=variance_s2,
+        sigmas=float(estimate[0]) / std,
+        least_duration_s=float(np.sqrt(12.0 * MIN_SIGMAS * std)),
+    )  # fmt: skip
 
 
 def without_smoothing(distances: RigidDistances, variance_s2: float) -> RigidDistances:

@@ -29,9 +29,9 @@ CHI2_1_DF_MEDIAN = 0.455
 
 def regress_lengths(
     windows: RigidDistances, patterns: Float, prior_stds: Float
-) -> tuple[Float, Float]:
-    """Estimates a (k,) and their covariance (k, k), for patterns X (n, k) with prior standard
-    deviations (k,).
+) -> tuple[Float, Float, Float]:
+    """Estimates a (k,), their covariance (k, k), and the variance (n,) of the lengths, for patterns
+    X (n, k) with prior standard deviations (k,).
 
     The covariance is the sum of the scatter between trials (sandwich with trials as clusters) and
     that of the model. The scatter of the lengths is estimated from the median of the squared
@@ -52,7 +52,23 @@ def regress_lengths(
                           if (own := windows.trial == t).any()])  # fmt: skip
     inverse = np.linalg.inv(A)
     cov = inverse @ (gradients.T @ gradients + A) @ inverse
-    return np.asarray(b[:k]), np.asarray(cov[:k, :k])
+    return np.asarray(b[:k]), np.asarray(cov[:k, :k]), np.asarray(variance)
+
+
+def length_misfit(
+    windows: RigidDistances, patterns: Float, prior_stds: Float, variance: Float
+) -> float:
+    """Sum of squared errors over their variance (n,), and of squared coefficients over that of the
+    prior, at the most probable coefficients.
+    """
+    others, stds = _other_patterns(windows)
+    X = np.column_stack([patterns, others])
+    weighted = (X / variance[:, None]).T
+    A = weighted @ X + np.diag(np.concatenate([prior_stds, stds]) ** -2.0)
+    cross = weighted @ windows.excess_m
+    return float(
+        windows.excess_m @ (windows.excess_m / variance) - cross @ np.linalg.solve(A, cross)
+    )
 
 
 def length_of_rigid_parts_m(windows: RigidDistances) -> float:

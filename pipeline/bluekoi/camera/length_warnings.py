@@ -20,6 +20,8 @@ CAMERA_ERROR_HYPOTHESES = ("camera_shift", "lens_error", "uncorrected_refraction
 """Hypotheses of the geometry check that are an error of the camera."""
 SCALE_CAUSES = ("scale_error", "uncorrected_refraction", "lens_error", "sinking")
 """Causes that account for rigid lengths of another size."""
+HARMLESS_SMOOTHING_S = 0.17
+"""An average over five frames at 30 frames/s changes no cause in the study of decision 080."""
 MIN_CAUSE_PROBABILITY = 0.5
 """A cause below this probability accounts for nothing."""
 
@@ -41,6 +43,7 @@ def length_warnings(
     return [
         *_unseen_tail_end_warnings(geometry or {}, failed),
         *_smoothing_warnings(geometry or {}),
+        *_invisible_smoothing_warnings(geometry or {}, named),
         *_scale_warnings(geometry or {}, named),
         *_camera_error_warnings(geometry or {}, named, refractive_index),
         *_deviating_trial_warnings(geometry),
@@ -77,6 +80,18 @@ def _smoothing_warnings(geometry: Mapping[str, Any]) -> Iterator[str]:
             "network wrote them, before any smoothing or filter over time (DeepLabCut: those "
             "without `_filtered` in their name)."
         )
+
+
+def _invisible_smoothing_warnings(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:
+    like = sorted(named & set(CAUSES_HIDDEN_BY_SMOOTHING))
+    least_s = geometry.get("least_visible_smoothing_s")
+    if not like or geometry.get("keypoint_smoothing") or (least_s or 0.0) <= HARMLESS_SMOOTHING_S:
+        return
+    yield (
+        f"Keypoints that are smoothed over time look like {' or '.join(like)}, and the robot's "
+        f"rigid lengths would not show a smoothing over less than {least_s:.2f} s. The verdict "
+        "holds only if no filter over time was applied to the keypoint files."
+    )
 
 
 def _scale_warnings(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:

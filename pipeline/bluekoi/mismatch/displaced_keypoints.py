@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,41 +14,60 @@ KEYPOINT_BIAS_CAUSE = "keypoint_bias"
 
 
 def with_keypoint_bias_cause(
-    content: Mapping[str, Any], displacements: Mapping[str, Mapping[str, float]]
+    content: Mapping[str, Any], displacements: Sequence[Mapping[str, Any]], trials: int
 ) -> dict[str, Any]:
     """mismatch.json with `keypoint_bias` as its first cause; unchanged where no keypoint is
     displaced.
 
     displacements: `keypoint_displacements` of geometry.json, which the tracks do not contain.
-    The cause includes an offset on the body that the search found.
+    trials: number of trials. The cause includes an offset on the body that the search found.
     """
     if not displacements:
         return dict(content)
-    texts, parameters = [], {}
-    for keypoint, found in displacements.items():
-        size_m = np.hypot(found["x_m"], found["y_m"])
-        toward = np.degrees(np.arctan2(found["y_m"], found["x_m"]))
-        texts.append(f"{keypoint} by {1000 * size_m:.0f} mm, {toward:.0f} degrees from the x axis")
-        for axis in ("x", "y"):
-            parameters[f"{keypoint}_{axis}"] = {
-                "value": found[f"{axis}_m"],
-                "std": found[f"{axis}_std_m"],
-                "unit": "m",
-                "meaning": f"displacement of {keypoint} along {axis} of the pool",
-            }
-    which = "a keypoint is" if len(texts) == 1 else "keypoints are"
-    said = f"{which} displaced towards one side of the pool in all trials ({'; '.join(texts)})"
+    texts, regimes = [], []
+    parameters: dict[str, Any] = {}
+    for number, part in enumerate(displacements, 1):
+        names, suffix = part["trials"], "" if len(displacements) == 1 else f"_part_{number}"
+        where = f"in all {trials} trials" if len(names) == trials else (
+            f"in {len(names)} trials from {names[0]} to {names[-1]}"
+        )  # fmt: skip
+        said_of = [_displacement_text(name, one) for name, one in part["keypoints"].items()]
+        texts.append(f"{where}, {', '.join(said_of)}")
+        regimes.append(f"all frames {where}, fixed to the pool")
+        for name, one in part["keypoints"].items():
+            parameters |= _parameters_of_keypoint(name, one, suffix)
+    said = f"keypoints are displaced towards one side of the pool ({'; '.join(texts)})"
     found_on_body = [c for c in content["causes"] if c["name"] == KEYPOINT_BIAS_CAUSE]
     for cause in found_on_body:
         parameters |= cause["parameters"]
     cause = measured_cause(
         keypoint_bias,
         parameters,
-        regime="all frames, fixed to the pool",
-        sigmas=max(found["sigmas"] for found in displacements.values()),
+        regime="; ".join(regimes),
+        sigmas=max(one["sigmas"] for part in displacements for one in part["keypoints"].values()),
         sentence=f"In the rigid lengths of the robot, {said}. Highlights and shadows displace "
         "keypoints in this way. The displacement was subtracted before the search.",
     )
     sentence = (f"Measurement error: keypoint_bias, {said}. With corrected keypoints: "
                 f"{content['sentence']}")  # fmt: skip
     return with_measured_cause(content, cause, sentence=sentence, replaces=found_on_body)
+
+
+def _displacement_text(keypoint: str, found: Mapping[str, float]) -> str:
+    size_m = np.hypot(found["x_m"], found["y_m"])
+    toward = np.degrees(np.arctan2(found["y_m"], found["x_m"]))
+    return f"{keypoint} by {1000 * size_m:.1f} mm, {toward:.0f} degrees from the x axis"
+
+
+def _parameters_of_keypoint(
+    keypoint: str, found: Mapping[str, float], suffix: str
+) -> dict[str, dict[str, Any]]:
+    return {
+        f"{keypoint}_{axis}{suffix}": {
+            "value": found[f"{axis}_m"],
+            "std": found[f"{axis}_std_m"],
+            "unit": "m",
+            "meaning": f"displacement of {keypoint} along {axis} of the pool",
+        }
+        for axis in ("x", "y")
+    }

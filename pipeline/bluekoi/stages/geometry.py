@@ -105,6 +105,7 @@ def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: ResultPaths
         "measured": "rigid parts",
         "keypoint_displacements": errors["displacements"],
         "keypoint_smoothing": errors["smoothing"],
+        "least_visible_smoothing_s": errors["least_visible_smoothing_s"],
         "depth_m": depth,
         "depth_estimate_m": estimate if std else None,
         "depth_estimate_std_m": std or None,

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..camera.keypoint_displacement import (
-    keypoint_displacements,
+    displacements_by_part,
     vectors_m,
     without_displacements,
 )
@@ -27,12 +27,14 @@ from .mapped_keypoints import (
     trials_with_measured_lengths,
 )
 
-NO_ERRORS: Mapping[str, Any] = {"displacements": {}, "smoothing": None}
+NO_ERRORS: Mapping[str, Any] = {"displacements": [], "smoothing": None,
+                                "least_visible_smoothing_s": None}  # fmt: skip
 
 
 def keypoint_errors(study: Path, results: Path) -> None:
-    """Write status/stages/keypoint_errors.json: `displacements` by keypoint and `smoothing`, of the
-    trials whose keypoints are read from files. Silhouettes and dots are found by BlueKoi itself.
+    """Write status/stages/keypoint_errors.json, of the trials whose keypoints are read from files:
+    `displacements` by part of the session and keypoint, `smoothing`, and the duration of the
+    shortest smoothing that would be seen. Silhouettes and dots are found by BlueKoi itself.
     """
     loaded, layout = load_study(study), ResultPaths(results)
     read = [trial for name in trials_with_measured_lengths(loaded, layout)
@@ -48,12 +50,21 @@ def _errors_of_trials(study: Study, trials: list[Trial], layout: ResultPaths) ->
     robot, lengths = study.setup.robot, [trial.head_length_m for trial in trials]
     camera = trial_camera(study, trials[0], layout)
     mapped = mapped_keypoint_positions(camera, trials, layout, robot.keypoint_depth_m)
-    displaced = keypoint_displacements(mapped, lengths, robot)
-    placed = [without_displacements(one, vectors_m(displaced)) for one in mapped]
+    displaced, placed = displacements_by_part(mapped, lengths, robot), list(mapped)
+    for part, found in displaced:
+        for k in part:
+            placed[k] = without_displacements(mapped[k], vectors_m(found))
     smoothing = keypoint_smoothing(rigid_distances(placed, lengths, robot))
     return {
-        "displacements": {name: asdict(one) for name, one in displaced.items()},
-        "smoothing": asdict(smoothing) if smoothing else None,
+        "displacements": [
+            {
+                "trials": [trials[k].trial_id for k in part],
+                "keypoints": {name: asdict(one) for name, one in found.items()},
+            }
+            for part, found in displaced
+        ],
+        "smoothing": asdict(smoothing) if smoothing and smoothing.is_found else None,
+        "least_visible_smoothing_s": smoothing.least_duration_s if smoothing else None,
     }
 
 
@@ -66,5 +77,12 @@ def read_keypoint_errors(layout: ResultPaths) -> Mapping[str, Any]:
 
 def displacement_vectors_m(trial: Trial, layout: ResultPaths) -> dict[str, tuple[float, float]]:
     """Keypoint -> displacement (x, y) in the pool frame, m, in the keypoints of a trial."""
-    found = read_keypoint_errors(layout)["displacements"] if trial.reads_keypoints else {}
-    return {name: (one["x_m"], one["y_m"]) for name, one in found.items()}
+    if not trial.reads_keypoints:
+        return {}
+    parts = read_keypoint_errors(layout)["displacements"]
+    return {
+        name: (one["x_m"], one["y_m"])
+        for part in parts
+        if trial.trial_id in part["trials"]
+        for name, one in part["keypoints"].items()
+    }

@@ -73,9 +73,10 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
     if trial.reads_keypoints and study.setup.camera:
         check_within_picture(study.paths(trial)[0], found, study.setup.camera.image_size_px)
     depth = keypoint_depth(study.setup, layout)
+    displaced = displacement_vectors_m(trial, layout)
     mapped = without_displacements(
         map_keypoints(camera, without_filled_frames(found), depth),
-        displacement_vectors_m(trial, layout),
+        displaced,
     )
     positions, exchanged = undo_head_tail_exchanges(mapped, study.setup.robot, trial.head_length_m)
     try:
@@ -113,7 +114,7 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
         "tail_m": tail_length_seen(positions),
         "body": status_of_body_measurements(found, positions, pose, study.setup.robot, trial),
         "exchanged_frames": exchanged,
-        "turned_picture": turned_picture_record(camera, found, depth),
+        "turned_picture": {} if displaced else turned_picture_record(camera, found, depth),
         "pool_edges": edges,
     }
 

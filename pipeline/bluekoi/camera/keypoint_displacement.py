@@ -11,15 +11,18 @@ This excess changes its sign when the robot turns by 180 degrees. That of a came
 lens stretches a length equally in both directions.
 
 A displacement common to all keypoints does not change lengths. The vectors d are therefore given
-relative to their median: one displaced keypoint has a vector, the others have none.
+relative to the largest group of keypoints that are not displaced relative to each other. Of two
+groups of the same size it is not known which one is displaced; the motion is corrected alike.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
+from scipy.special import chdtri
 
 from ..data import Float, Positions
 from ..study import Robot
@@ -38,6 +41,9 @@ MIN_SIGMAS = 5.0
 """Standard errors from 0 beyond which a keypoint counts as displaced. Fifteen studies
 of `campus_pool` 5841, `tidal_lock` 9402 and `leading_plate` 5701, in which no keypoint is displaced
 in this way, reach 2.4 (60 keypoints)."""
+FALSE_ALARM_PROBABILITY = 6e-7
+"""Probability with which a change within the session is found by chance: that of `MIN_SIGMAS`
+standard deviations of a normal distribution."""
 MIN_DISPLACEMENT_SHARE = 0.006
 """Smallest displacement that is corrected, over the length of the rigid parts from nose to tail:
 2 mm for the published robot, whose keypoints are labelled to 1 mm in careful work."""
@@ -84,7 +90,8 @@ def displacements_by_part(
     first, second = map(vectors_m, each)
     if common and _are_alike(first, second, MIN_DISPLACEMENT_SHARE * robot.body_length_m):
         return [(range(len(trials)), common)]
-    return [(part, found) for part, found in zip(parts, each, strict=True) if found]
+    displaced = [(part, found) for part, found in zip(parts, each, strict=True) if found]
+    return displaced or ([(range(len(trials)), common)] if common else [])
 
 
 def _are_alike(
@@ -100,7 +107,9 @@ def _parts_of_session(
     trials: Sequence[Positions], head_lengths_m: Sequence[float], robot: Robot
 ) -> list[range]:
     """Parts that are displaced alike. The best of up to `MAX_CHANGES_TRIED` places of a change
-    counts if it lowers the misfit by more than `MIN_SIGMAS`^2 and the choice among them allow.
+    counts if the misfit becomes smaller by more than chi-squared does by chance with
+    `FALSE_ALARM_PROBABILITY` at any of these places, with as many degrees of freedom as a second
+    part adds.
 
     Raises: InputError where no rigid pair is ever seen.
     """
@@ -126,7 +135,7 @@ def _parts_of_session(
     gain = length_misfit(windows, columns, stds, variance) - length_misfit(
         windows, in_two_parts(change), twice, variance
     )
-    if gain < MIN_SIGMAS**2 + 2.0 * np.log(len(tried)):
+    if gain < chdtri(columns.shape[1], FALSE_ALARM_PROBABILITY / len(tried)):
         return [whole]
     return [range(change), range(change, count)]
 
@@ -147,7 +156,7 @@ def keypoint_displacements(
     for _ in range(MAX_ESTIMATES):
         corrected = [without_displacements(one, vectors) for one in trials]
         windows = window_means(rigid_distances(corrected, head_lengths_m, robot))
-        found = _displaced(_remaining_vectors(windows), vectors, length_of_rigid_parts_m(windows))
+        found = _displaced(windows, vectors)
         if vectors_m(found) == vectors:
             break
         vectors = vectors_m(found)
@@ -169,47 +178,73 @@ def without_displacements(
     return replace(positions, xy_m=positions.xy_m - vectors)
 
 
-def _remaining_vectors(windows: RigidDistances) -> dict[str, tuple[Float, Float]]:
-    """Keypoint -> displacement (2,) relative to the median of all, m, and covariance (2, 2)."""
+def _displaced(
+    windows: RigidDistances, corrected: Mapping[str, tuple[float, float]]
+) -> dict[str, KeypointDisplacement]:
+    """The keypoints that are displaced relative to most others, by what was corrected and what the
+    lengths show in addition.
+    """
     patterns = {name: p for name, p in displacement_patterns(windows).items() if p.any()}
     if len(patterns) < 3:
         return {}
-    columns = np.column_stack(list(patterns.values()))
-    std_m = DISPLACEMENT_STD_SHARE * length_of_rigid_parts_m(windows)
-    estimate, cov, _ = regress_lengths(windows, columns, np.full(columns.shape[1], std_m))
-    vectors = estimate.reshape(-1, 2)
-    vectors = vectors - np.median(vectors, axis=0)
-    return {name: (vectors[k], _relative_covariance(cov, k)) for k, name in enumerate(patterns)}
-
-
-def _displaced(
-    remaining: Mapping[str, tuple[Float, Float]],
-    corrected: Mapping[str, tuple[float, float]],
-    body_m: float,
-) -> dict[str, KeypointDisplacement]:
-    """The keypoints that are displaced, by what was corrected and what remains."""
+    columns, body_m = np.column_stack(list(patterns.values())), length_of_rigid_parts_m(windows)
+    stds = np.full(columns.shape[1], DISPLACEMENT_STD_SHARE * body_m)
+    estimate, cov, _ = regress_lengths(windows, columns, stds)
+    vectors = estimate.reshape(-1, 2) + [corrected.get(name, (0.0, 0.0)) for name in patterns]
+    reference = _undisplaced(vectors, cov)
     found = {}
-    for name, (vector, cov) in remaining.items():
-        whole = vector + np.array(corrected.get(name, (0.0, 0.0)))
-        sigmas = float(np.sqrt(whole @ np.linalg.solve(cov, whole)))
-        if sigmas > MIN_SIGMAS and np.hypot(*whole) > MIN_DISPLACEMENT_SHARE * body_m:
-            x, y = np.round(whole, DECIMALS)
-            x_std, y_std = np.sqrt(np.diag(cov) + ROUNDING_VARIANCE_M2)
-            found[name] = KeypointDisplacement(
-                float(x), float(y), float(x_std), float(y_std), sigmas
-            )
+    for k, name in enumerate(patterns):
+        if k in reference:
+            continue
+        vector, own = _relative_to(vectors, cov, k, reference)
+        sigmas = _sigmas(vector, own)
+        if sigmas <= MIN_SIGMAS or np.hypot(*vector) <= MIN_DISPLACEMENT_SHARE * body_m:
+            continue
+        x, y = np.round(vector, DECIMALS)
+        x_std, y_std = np.sqrt(np.diag(own) + ROUNDING_VARIANCE_M2)
+        found[name] = KeypointDisplacement(float(x), float(y), float(x_std), float(y_std), sigmas)
     return found
+
+
+def _undisplaced(vectors: Float, cov: Float) -> tuple[int, ...]:
+    """The largest group of keypoints whose vectors agree; of several of this size, that whose
+    vectors agree best. Two keypoints are the least.
+    """
+    keypoints = range(len(vectors))
+    for size in range(len(vectors), 2, -1):
+        misfits = {group: _difference_misfit(vectors, cov, group)
+                   for group in combinations(keypoints, size)}  # fmt: skip
+        best = min(misfits, key=lambda group: misfits[group])
+        if misfits[best] < chdtri(2 * (size - 1), FALSE_ALARM_PROBABILITY):
+            return best
+    pairs = list(combinations(keypoints, 2))
+    return min(pairs, key=lambda group: _difference_misfit(vectors, cov, group))
+
+
+def _difference_misfit(vectors: Float, cov: Float, group: Sequence[int]) -> float:
+    """Chi-squared of the differences of vectors within a group."""
+    count = len(vectors)
+    weights = np.eye(count)[list(group[1:])] - np.eye(count)[group[0]]
+    T = np.kron(weights, np.eye(2))
+    differences = (weights @ vectors).ravel()
+    return float(differences @ np.linalg.solve(T @ cov @ T.T, differences))
+
+
+def _relative_to(
+    vectors: Float, cov: Float, k: int, reference: Sequence[int]
+) -> tuple[Float, Float]:
+    """Displacement (2,) of keypoint k relative to the mean of others, and its covariance (2, 2)."""
+    weights = np.zeros(len(vectors))
+    weights[list(reference)] = -1.0 / len(reference)
+    weights[k] += 1.0
+    T = np.kron(weights, np.eye(2))
+    return np.asarray(weights @ vectors), np.asarray(T @ cov @ T.T)
+
+
+def _sigmas(vector: Float, cov: Float) -> float:
+    return float(np.sqrt(vector @ np.linalg.solve(cov, vector)))
 
 
 def displacement_patterns(windows: RigidDistances) -> dict[str, Float]:
     """Keypoint -> excess (n, 2) of each length by a displacement of 1 m along x and along y."""
     return by_keypoint(windows, *[directions_of_lengths(windows)] * 2)
-
-
-def _relative_covariance(cov: Float, k: int) -> Float:
-    """Covariance (2, 2) of the displacement of keypoint k relative to the mean of the others."""
-    count = len(cov) // 2
-    weights = np.full(count, -1.0 / (count - 1))
-    weights[k] = 1.0
-    T = np.kron(weights, np.eye(2))
-    return np.asarray(T @ cov @ T.T)

@@ -20,6 +20,10 @@ second difference of a straight line is then at most twice the last digit."""
 ROUNDING_PX = 1e-6
 MIN_FILLED_FRAMES = 8
 """Frames of a gap from which it is named."""
+MIN_KINK_OVER_LIMIT = 5.0
+"""Second difference where a filled gap meets a measured frame, over the largest one within the gap.
+Keypoints that were smoothed over time are straight for several frames as well, but become curved
+gradually."""
 MIN_LIKELIHOOD = 0.5
 """Points below are not stated as measured: detectors fill gaps with such points themselves."""
 MIN_TRAVEL_PX = 2.0
@@ -55,7 +59,12 @@ def _filled_gaps(keypoints: Keypoints) -> list[tuple[int, int]]:
     straight &= np.maximum.accumulate((travel > MIN_TRAVEL_PX).any(axis=1))[1:-1]
     edges = np.flatnonzero(np.diff(np.concatenate([[0], straight.astype(int), [0]])))
     runs = edges.reshape(-1, 2) + 1  # a second difference belongs to the frame in its middle
-    return [(int(first), int(end)) for first, end in runs if end - first >= MIN_FILLED_FRAMES]
+    kinks = np.nan_to_num(np.pad(bends / limit, ((1, 1), (0, 0))), nan=0.0).max(axis=1)
+    return [
+        (int(first), int(end)) for first, end in runs
+        if end - first >= MIN_FILLED_FRAMES
+        and max(kinks[first - 1], kinks[min(end, len(kinks) - 1)]) > MIN_KINK_OVER_LIMIT
+    ]  # fmt: skip
 
 
 def _last_digit_px(xy: Float) -> Float:

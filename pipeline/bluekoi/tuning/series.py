@@ -51,13 +51,14 @@ def study_series(
 ) -> list[TrialSeries]:
     """A `TrialSeries` for every trial that has a pose, a track and a flapping frequency.
 
-    skipped_s: of `trial_series`.
+    skipped_s: of `trial_series`, in trials whose keypoints are read from files.
     """
     before = [0.0, *(trial.head_angle_rad for trial in study.trials)]
     places = session_places(len(study.trials))
     return [
         trial_series(trial, study.setup, poses[i], tracks[i], flapping[i], angle_before_rad=angle,
-                     session_place=float(place), skipped_s=skipped_s)
+                     session_place=float(place),
+                     skipped_s=skipped_s if trial.reads_keypoints else 0.0)
         for trial, angle, place in zip(study.trials, before, places, strict=False)
         for i in [trial.trial_id]
         if i in poses and i in tracks and i in flapping
@@ -87,7 +88,7 @@ def trial_series(
     started = float(np.nan_to_num(flapping.start_s))
     started = started if started < 0.5 * track.time_s[-1] else 0.0
     skipped = skipped_s if 2.0 * skipped_s < np.ptp(track.time_s) else 0.0
-    first = max(track.time_s[0] + skipped, pose.time_s[0] + started) - 1e-6
+    first = max(track.time_s[0], pose.time_s[0] + started) + skipped - 1e-6
     last = track.time_s[-1] + 1e-6
     inside = (pose.time_s >= first) & (pose.time_s <= last)
     times = pose.time_s[inside]

@@ -107,7 +107,7 @@ rule steady:
 
 
 rule tuning:
-    input: rules.steady.output,
+    input: rules.steady.output, plan.keypoint_errors_file(),
     output:
         R / "coefficients.json",
         report(R / "table1.csv", "config/captions/table1.rst", "Tables"),

@@ -192,7 +192,7 @@ def test_estimated_errors_and_random_forces_are_stated(cart_explanation):
     content = json.loads(json.dumps(explanation_json(cart_explanation)))["noise"]
     (position,) = content["observations"]
     assert (position["name"], position["unit"]) == ("position", "m")
-    whole = np.hypot(position["independent_std"], position["lasting_std"])
+    whole = np.hypot(position["independent_std"], position["autocorrelated_std"])
     assert whole == pytest.approx(NOISE_STD_M, rel=0.3)
     assert len(content["random_forces"]) == len(cart_explanation.model.channels)
     assert "errors of position, m" in summary(cart_explanation)

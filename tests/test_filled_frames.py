@@ -85,6 +85,22 @@ def test_gaps_in_files_with_six_digits_are_found_beyond_a_thousand_pixels() -> N
     assert longest_filled_gap(replace(far, xy_px=np.round(far.xy_px, 2))) is None
 
 
+def test_keypoints_that_were_smoothed_are_not_called_filled() -> None:
+    """Gaussian weights of seven frames, two decimals: straight for many frames, but measured."""
+    rng, time = np.random.default_rng(3), np.arange(240) / 30.0
+    x = 300.0 + 100.0 * time + 2.0 * np.sin(2.0 * np.pi * 2.4 * time)
+    parts = x[:, None] + 20.0 * np.arange(PARTS) + rng.normal(0.0, 0.2, (240, PARTS))
+    weights = np.exp(-0.5 * (np.arange(-21, 22) / 7.0) ** 2)
+    smooth = np.apply_along_axis(
+        lambda v: np.convolve(np.pad(v, 21, mode="reflect", reflect_type="odd"),
+                              weights / weights.sum(), "valid"), 0, parts,
+    )  # fmt: skip
+    xy = np.round(np.stack([smooth, np.full_like(smooth, 400.0)], axis=2), 2)
+    unknown = np.full((240, PARTS, 2, 2), np.nan)
+    seen = Keypoints(time, tuple("abcd"), xy, np.ones((240, PARTS)), unknown)
+    np.testing.assert_array_equal(without_filled_frames(seen).likelihood, seen.likelihood)
+
+
 def test_points_of_low_likelihood_are_a_detectors_own_filling() -> None:
     filled = with_frames(swimming_keypoints(), 60, 24, still=False)
     likelihood = filled.likelihood.copy()

@@ -193,11 +193,11 @@ def test_the_verdict_names_keypoint_bias_first():
     on_body = {"name": "keypoint_bias", "weight": 0.9, "parameters": {"left_offset": {"value": 1}}}
     other = {"name": "stall", "weight": 0.9, "parameters": {}}
     content = EMPTY_VERDICT | {"causes": [other, on_body]}
-    result = with_keypoint_bias_cause(content, displaced, 2)
+    result = with_keypoint_bias_cause(content, displaced, ["T1", "T2"])
     assert [c["name"] for c in result["causes"]] == ["keypoint_bias", "stall"]
     assert "in all 2 trials, hinge by 12.0 mm, -90 degrees from the x axis" in result["sentence"]
     assert result["causes"][0]["parameters"].keys() == {"hinge_x", "hinge_y", "left_offset"}
     assert result["probabilities"]["keypoint_bias"] == 1.0
-    assert with_keypoint_bias_cause(content, [], 2) == content
-    later = with_keypoint_bias_cause(content, displaced, 5)
+    assert with_keypoint_bias_cause(content, [], ["T1", "T2"]) == content
+    later = with_keypoint_bias_cause(content, displaced, ["T1", "T2", "T3"])
     assert "in 2 trials from T1 to T2, hinge by 12.0 mm" in later["sentence"]

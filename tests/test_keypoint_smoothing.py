@@ -10,7 +10,7 @@ from test_keypoint_displacement import ROBOT, circles
 
 from bluekoi.camera.keypoint_displacement import keypoint_displacements
 from bluekoi.camera.keypoint_smoothing import (
-    CAUSES_HIDDEN_BY_SMOOTHING,
+    CAUSES_CONFOUNDED_WITH_SMOOTHING,
     keypoint_smoothing,
     without_smoothing,
 )
@@ -65,7 +65,7 @@ def test_a_warning_says_what_is_not_judged():
     text = " ".join(length_warnings(geometry, None))
     assert "averaged over 0.47 s" in text
     assert "`_filtered`" in text
-    assert all(name in text for name in CAUSES_HIDDEN_BY_SMOOTHING)
+    assert all(name in text for name in CAUSES_CONFOUNDED_WITH_SMOOTHING)
     assert length_warnings({"keypoint_smoothing": None}, None) == []
 
 

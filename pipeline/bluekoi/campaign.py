@@ -33,7 +33,9 @@ class Campaign:
     - mismatch, mismatch_detail: content of these json files, None before the search for causes;
     - simulations: columns of simulations/ID.csv and extended/ID.csv, paths that are simulated from
       the fitted initial state of each trial;
-    - geometry: content of geometry.json, None before the geometry check.
+    - geometry: content of geometry.json, None before the geometry check;
+    - keypoint_errors: errors of keypoint files that the rigid lengths show, None in studies of
+      videos alone.
     """
 
     study: Study
@@ -46,6 +48,7 @@ class Campaign:
     simulations: Mapping[str, Mapping[str, Float]] = field(default_factory=dict)
     statuses: Mapping[str, JsonMapping] = field(default_factory=dict)
     geometry: JsonMapping | None = None
+    keypoint_errors: JsonMapping | None = None
 
     @property
     def analysed(self) -> tuple[Trial, ...]:
@@ -68,13 +71,13 @@ class Campaign:
         """Displacements of keypoints in the pool that the tracks are corrected for: `trials` and
         `keypoints` of each part of the session.
         """
-        found: Sequence[JsonMapping] = (self.geometry or {}).get("keypoint_displacements") or []
+        found: Sequence[JsonMapping] = (self.keypoint_errors or {}).get("displacements") or []
         return found
 
     @property
     def keypoint_smoothing_s(self) -> float:
         """Duration over which the keypoints were smoothed before they were read, or 0."""
-        found = (self.geometry or {}).get("keypoint_smoothing")
+        found = (self.keypoint_errors or {}).get("smoothing")
         return float(found["duration_s"]) if found else 0.0
 
     @property
@@ -166,6 +169,7 @@ def load_campaign(
         steady={name: steady[name] for name in ids if name in steady},
         statuses=_read_files_by_trial(root / "status", ids, ".json", read_json),
         geometry=geometry,
+        keypoint_errors=read_json_if_present(root / "status" / "stages" / "keypoint_errors.json"),
     )
     if measured:
         return found

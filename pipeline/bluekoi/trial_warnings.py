@@ -75,12 +75,14 @@ def trial_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]]) -> l
 
 
 def _picture_size_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """A sentence for each size of pictures that is not that of most trials."""
+    """A sentence for each size of pictures that is not that of more than half of the trials."""
     trials: dict[tuple[int, ...], list[str]] = {}
     for name, status in statuses.items():
         if size := status.get("size_px"):
             trials.setdefault(tuple(size), []).append(name)
     usual = max(trials, key=lambda size: len(trials[size]), default=())
+    if not trials or 2 * len(trials[usual]) <= sum(map(len, trials.values())):
+        return []
     return [
         f"{trial_list_text(names, len(statuses))}: pictures of {size[0]} x {size[1]} px, in most "
         f"other trials of {usual[0]} x {usual[1]} px. In another mode a camera shows another part "

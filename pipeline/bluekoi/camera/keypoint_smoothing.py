@@ -6,7 +6,7 @@ then averaged over directions, and becomes shorter:
 
     y = -(r s)^2 L / 2    for r s << 1.
 
-Nothing else shortens rigid lengths in proportion to the square of the yaw rate.
+No error of camera or geometry shortens rigid lengths in proportion to the square of the yaw rate.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from .rigid_distances import RigidDistances
 MIN_SIGMAS = 5.0
 """Standard errors from 0 beyond which keypoints count as smoothed. Fifteen studies of `campus_pool`
 5841, `tidal_lock` 9402 and `leading_plate` 5701 with raw keypoints reach 3.3."""
-MAX_SMOOTHING_S = 1.0
-"""Three prior standard deviations of T; longer smoothing leaves no turn of the published robot."""
+PRIOR_STD_OF_VARIANCE_S2 = 1.0 / 36.0
+"""Prior standard deviation of s^2, wide: that of a moving average over 0.6 s."""
 MIN_WINDOWS_OF_A_LENGTH = 3
 
-CAUSES_HIDDEN_BY_SMOOTHING = ("lift_lag", "motor_spin_up", "servo_lag", "time_offset")
+CAUSES_CONFOUNDED_WITH_SMOOTHING = ("lift_lag", "motor_spin_up", "servo_lag", "time_offset")
 """Causes that act for a fraction of a second after a sudden change. Smoothing makes all changes
 slow in the same way."""
 
@@ -71,7 +71,7 @@ def keypoint_smoothing(distances: RigidDistances) -> KeypointSmoothing | None:
     columns = np.column_stack([-0.5 * windows.known_m * rates**2, *displaced])
     std_m = DISPLACEMENT_STD_SHARE * length_of_rigid_parts_m(windows)
     stds = np.full(columns.shape[1], std_m)
-    stds[0] = MAX_SMOOTHING_S**2 / 12.0 / 3.0
+    stds[0] = PRIOR_STD_OF_VARIANCE_S2
     estimate, cov, _ = regress_lengths(windows, columns, stds)
     std = float(np.sqrt(cov[0, 0]))
     variance_s2 = float(max(estimate[0], 0.0))

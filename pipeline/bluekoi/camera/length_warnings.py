@@ -9,7 +9,7 @@ import numpy as np
 
 from ..data.majority import deviations_from_majority
 from ..study.setup_warnings import INDEX_OF_WATER, MAX_INDEX_DIFFERENCE
-from .keypoint_smoothing import CAUSES_HIDDEN_BY_SMOOTHING
+from .keypoint_smoothing import CAUSES_CONFOUNDED_WITH_SMOOTHING
 from .rigid_distances import STATED_LENGTH_STD_SHARE
 
 WARN_ABOVE_SIGMAS = 5.0
@@ -21,7 +21,8 @@ CAMERA_ERROR_HYPOTHESES = ("camera_shift", "lens_error", "uncorrected_refraction
 SCALE_CAUSES = ("scale_error", "uncorrected_refraction", "lens_error", "sinking")
 """Causes that account for rigid lengths of another size."""
 HARMLESS_SMOOTHING_S = 0.17
-"""An average over five frames at 30 frames/s changes no cause in the study of decision 080."""
+"""An average over five frames at 30 frames/s, not corrected, changed no cause of the study of
+decision 080."""
 MIN_CAUSE_PROBABILITY = 0.5
 """A cause below this probability accounts for nothing."""
 
@@ -76,14 +77,14 @@ def _smoothing_warnings(geometry: Mapping[str, Any]) -> Iterator[str]:
             "The robot's rigid lengths become shorter in fast turns, as if the keypoints had been "
             f"averaged over {smoothing['duration_s']:.2f} s. The start of each trial is left out "
             "of the fits for this duration, and causes that act as briefly "
-            f"({', '.join(CAUSES_HIDDEN_BY_SMOOTHING)}) are not judged. Use the files as the "
-            "network wrote them, before any smoothing or filter over time (DeepLabCut: those "
+            f"({', '.join(CAUSES_CONFOUNDED_WITH_SMOOTHING)}) are not candidates. Use the files as "
+            "the network wrote them, before any smoothing or filter over time (DeepLabCut: those "
             "without `_filtered` in their name)."
         )
 
 
 def _invisible_smoothing_warnings(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:
-    like = sorted(named & set(CAUSES_HIDDEN_BY_SMOOTHING))
+    like = sorted(named & set(CAUSES_CONFOUNDED_WITH_SMOOTHING))
     least_s = geometry.get("least_visible_smoothing_s")
     if not like or geometry.get("keypoint_smoothing") or (least_s or 0.0) <= HARMLESS_SMOOTHING_S:
         return

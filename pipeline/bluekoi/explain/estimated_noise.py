@@ -10,21 +10,21 @@ from .cause_search import CauseSearchResult
 from .preparation import stated_std
 
 NOISE_TABLE_HEAD = (
-    "errors and random forces", "stated", "independent", "lasting", "correlation time, s",
+    "errors and random forces", "stated", "independent", "autocorrelated", "correlation time, s",
 )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class ObservationErrors:
     """Standard deviations of the errors of an observation, in its unit: stated, independent from
-    sample to sample, and lasting, with their correlation time.
+    sample to sample, and autocorrelated, with their correlation time.
     """
 
     name: str
     unit: str
     stated_std: float
     independent_std: float
-    lasting_std: float
+    autocorrelated_std: float
     correlation_time_s: float
 
 
@@ -66,7 +66,7 @@ def noise_rows(found: CauseSearchResult) -> list[tuple[str, ...]]:
     """Rows of `NOISE_TABLE_HEAD`: observations, then channels."""
     errors = [
         (f"errors of {e.name}, {e.unit}", f"{e.stated_std:.3g}", f"{e.independent_std:.3g}",
-         f"{e.lasting_std:.3g}", f"{e.correlation_time_s:.3g}")
+         f"{e.autocorrelated_std:.3g}", f"{e.correlation_time_s:.3g}")
         for e in estimated_errors(found)
     ]  # fmt: skip
     forces = [

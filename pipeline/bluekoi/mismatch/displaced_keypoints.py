@@ -14,27 +14,32 @@ KEYPOINT_BIAS_CAUSE = "keypoint_bias"
 
 
 def with_keypoint_bias_cause(
-    content: Mapping[str, Any], displacements: Sequence[Mapping[str, Any]], trials: int
+    content: Mapping[str, Any],
+    displacements: Sequence[Mapping[str, Any]],
+    fitted: Sequence[str],
 ) -> dict[str, Any]:
     """mismatch.json with `keypoint_bias` as its first cause; unchanged where no keypoint is
     displaced.
 
     displacements: `keypoint_displacements` of geometry.json, which the tracks do not contain.
-    trials: number of trials. The cause includes an offset on the body that the search found.
+    fitted: names of the trials of the fits. The cause includes an offset on the body that the
+    search found.
     """
-    if not displacements:
+    parts = [(names, part["keypoints"]) for part in displacements
+             if (names := [n for n in fitted if n in part["trials"]])]  # fmt: skip
+    if not parts:
         return dict(content)
     texts, regimes = [], []
     parameters: dict[str, Any] = {}
-    for number, part in enumerate(displacements, 1):
-        names, suffix = part["trials"], "" if len(displacements) == 1 else f"_part_{number}"
-        where = f"in all {trials} trials" if len(names) == trials else (
+    for number, (names, keypoints) in enumerate(parts, 1):
+        suffix = "" if len(parts) == 1 else f"_part_{number}"
+        where = f"in all {len(fitted)} trials" if len(names) == len(fitted) else (
             f"in {len(names)} trials from {names[0]} to {names[-1]}"
         )  # fmt: skip
-        said_of = [_displacement_text(name, one) for name, one in part["keypoints"].items()]
+        said_of = [_displacement_text(name, one) for name, one in keypoints.items()]
         texts.append(f"{where}, {', '.join(said_of)}")
         regimes.append(f"all frames {where}, fixed to the pool")
-        for name, one in part["keypoints"].items():
+        for name, one in keypoints.items():
             parameters |= _parameters_of_keypoint(name, one, suffix)
     said = f"keypoints are displaced towards one side of the pool ({'; '.join(texts)})"
     found_on_body = [c for c in content["causes"] if c["name"] == KEYPOINT_BIAS_CAUSE]
@@ -44,9 +49,9 @@ def with_keypoint_bias_cause(
         keypoint_bias,
         parameters,
         regime="; ".join(regimes),
-        sigmas=max(one["sigmas"] for part in displacements for one in part["keypoints"].values()),
-        sentence=f"In the rigid lengths of the robot, {said}. Highlights and shadows displace "
-        "keypoints in this way. The displacement was subtracted before the search.",
+        sigmas=max(one["sigmas"] for _, keypoints in parts for one in keypoints.values()),
+        sentence=f"The rigid lengths of the robot show that {said}. Highlights and shadows "
+        "displace keypoints in this way. The displacement was subtracted before the search.",
     )
     sentence = (f"Measurement error: keypoint_bias, {said}. With corrected keypoints: "
                 f"{content['sentence']}")  # fmt: skip

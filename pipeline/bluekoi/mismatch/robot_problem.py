@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..camera.keypoint_smoothing import CAUSES_HIDDEN_BY_SMOOTHING
+from ..camera.keypoint_smoothing import CAUSES_CONFOUNDED_WITH_SMOOTHING
 from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE
 from ..engine import CauseSearchProblem, PriorInclusionProbabilities, candidates_by_effect_name
 from ..fitting import Noise, TrialEffect, TrialSeries
@@ -77,10 +77,10 @@ def robot_problem(
     some trials, which were split at one of as many places as there are trials. by_homography:
     whether the camera has no matrix, so that the keypoints' depth is not corrected.
     smoothed_keypoints: whether the keypoints were smoothed before they were read; then
-    `CAUSES_HIDDEN_BY_SMOOTHING` are not candidates.
+    `CAUSES_CONFOUNDED_WITH_SMOOTHING` are not candidates.
     """
     system, units = kernel.system, robot_units_of_trials(series)
-    smoothed = CAUSES_HIDDEN_BY_SMOOTHING if smoothed_keypoints else ()
+    smoothed = CAUSES_CONFOUNDED_WITH_SMOOTHING if smoothed_keypoints else ()
     left_out = {*undetermined_causes(system, series), *smoothed}
     names = [e.name for e in system.effects if e.kind in CAUSE_KINDS and e.name not in left_out
              and (displaced or e.name != CAMERA_SHIFT_EFFECT)]  # fmt: skip

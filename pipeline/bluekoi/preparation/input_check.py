@@ -157,7 +157,7 @@ def _check_keypoints(study: Study, trial: Trial) -> dict[str, Any]:
 
 def _check_footage(study: Study, trial: Trial) -> tuple[dict[str, Any], tuple[str, ...]]:
     """Of the footage of a trial: size of its pictures, and share that its motor log covers (None
-    without a log), in the words of status/ID.json; and remarks.
+    without a log), with the keys of status/ID.json; and remarks.
 
     Raises: InputError where a trial's motor log or footage cannot be read, or the log is of another
     time or contradicts flap_hz.

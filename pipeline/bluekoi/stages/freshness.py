@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..files import read_json
 from ..study import Study, Trial
 from .depth import keypoint_depth
-from .keypoint_errors import displacement_vectors_m
+from .keypoint_errors_file import displacement_vectors_m
 from .layout import ResultPaths
 
 MAX_COMPARED_BYTES = 2**20

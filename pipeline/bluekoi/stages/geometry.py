@@ -26,7 +26,7 @@ from ..errors import InputError
 from ..files import read_json, write_json
 from ..study import Study, Trial, load_study
 from ..study.keypoint_depth import select_keypoint_depth_m
-from .keypoint_errors import displacement_vectors_m, read_keypoint_errors
+from .keypoint_errors_file import displacement_vectors_m, read_keypoint_errors
 from .layout import ResultPaths
 from .mapped_keypoints import (
     mapped_keypoint_positions,
@@ -79,7 +79,14 @@ def geometry(study: Path, results: Path) -> None:
     except InputError as error:
         found = _impossible_geometry_check_json(str(error))
     setup = loaded.setup
-    usual = {"depth_m": setup.robot.keypoint_depth_m, "depth_given": setup.robot.depth_given}
+    errors = read_keypoint_errors(layout)
+    usual = {
+        "depth_m": setup.robot.keypoint_depth_m,
+        "depth_given": setup.robot.depth_given,
+        "keypoint_displacements": errors["displacements"],
+        "keypoint_smoothing": errors["smoothing"],
+        "least_visible_smoothing_s": errors["least_visible_smoothing_s"],
+    }
     write_json(layout.geometry, usual | found)
 
 
@@ -103,9 +110,6 @@ def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: ResultPaths
     return {
         **_geometry_check_json(check, trials),
         "measured": "rigid parts",
-        "keypoint_displacements": errors["displacements"],
-        "keypoint_smoothing": errors["smoothing"],
-        "least_visible_smoothing_s": errors["least_visible_smoothing_s"],
         "depth_m": depth,
         "depth_estimate_m": estimate if std else None,
         "depth_estimate_std_m": std or None,

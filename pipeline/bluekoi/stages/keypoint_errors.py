@@ -5,7 +5,6 @@ A stage of its own, because the tracks need it, and do not need the rest of the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -18,17 +17,15 @@ from ..camera.keypoint_displacement import (
 from ..camera.keypoint_smoothing import keypoint_smoothing
 from ..camera.rigid_distances import rigid_distances
 from ..errors import InputError
-from ..files import read_json_if_present, write_json
+from ..files import write_json
 from ..study import Study, Trial, load_study
+from .keypoint_errors_file import NO_ERRORS
 from .layout import ResultPaths
 from .mapped_keypoints import (
     mapped_keypoint_positions,
     trial_camera,
     trials_with_measured_lengths,
 )
-
-NO_ERRORS: Mapping[str, Any] = {"displacements": [], "smoothing": None,
-                                "least_visible_smoothing_s": None}  # fmt: skip
 
 
 def keypoint_errors(study: Path, results: Path) -> None:
@@ -65,24 +62,4 @@ def _errors_of_trials(study: Study, trials: list[Trial], layout: ResultPaths) ->
         ],
         "smoothing": asdict(smoothing) if smoothing and smoothing.is_found else None,
         "least_visible_smoothing_s": smoothing.least_duration_s if smoothing else None,
-    }
-
-
-def read_keypoint_errors(layout: ResultPaths) -> Mapping[str, Any]:
-    """Content of status/stages/keypoint_errors.json; no errors in a study of videos alone, which
-    has no such file.
-    """
-    return read_json_if_present(layout.keypoint_errors) or NO_ERRORS
-
-
-def displacement_vectors_m(trial: Trial, layout: ResultPaths) -> dict[str, tuple[float, float]]:
-    """Keypoint -> displacement (x, y) in the pool frame, m, in the keypoints of a trial."""
-    if not trial.reads_keypoints:
-        return {}
-    parts = read_keypoint_errors(layout)["displacements"]
-    return {
-        name: (one["x_m"], one["y_m"])
-        for part in parts
-        if trial.trial_id in part["trials"]
-        for name, one in part["keypoints"].items()
     }

@@ -100,7 +100,9 @@ def mismatch(study: Path, results: Path) -> None:
             cause["regime"] = f"trials {', '.join(part)}"
     fitted_factors = {s.name: factors[s.name] for s in series if s.name in factors}
     content = with_clock_cause(content, fitted_factors, len(series))
-    content = with_keypoint_bias_cause(content, campaign.keypoint_displacements, len(trials))
+    content = with_keypoint_bias_cause(
+        content, campaign.keypoint_displacements, [s.name for s in series]
+    )
     write_json(ResultPaths(results).mismatch, content)
 
 

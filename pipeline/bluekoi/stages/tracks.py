@@ -38,7 +38,7 @@ from ..study import Study, Trial, load_study
 from .compiling import precompile_smoother as preload
 from .depth import keypoint_depth
 from .head_angle_sign import head_angle_sign_finding
-from .keypoint_errors import displacement_vectors_m
+from .keypoint_errors_file import displacement_vectors_m
 from .layout import ResultPaths
 from .pool_edges import check_pool_edges
 from .status import run_with_status

@@ -1,0 +1,33 @@
+"""What status/stages/keypoint_errors.json says, for the stages that correct these errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ..files import read_json_if_present
+from ..study import Trial
+from .layout import ResultPaths
+
+NO_ERRORS: Mapping[str, Any] = {"displacements": [], "smoothing": None,
+                                "least_visible_smoothing_s": None}  # fmt: skip
+
+
+def read_keypoint_errors(layout: ResultPaths) -> Mapping[str, Any]:
+    """Content of status/stages/keypoint_errors.json; no errors in a study of videos alone, which
+    has no such file.
+    """
+    return read_json_if_present(layout.keypoint_errors) or NO_ERRORS
+
+
+def displacement_vectors_m(trial: Trial, layout: ResultPaths) -> dict[str, tuple[float, float]]:
+    """Keypoint -> displacement (x, y) in the pool frame, m, in the keypoints of a trial."""
+    if not trial.reads_keypoints:
+        return {}
+    parts = read_keypoint_errors(layout)["displacements"]
+    return {
+        name: (one["x_m"], one["y_m"])
+        for part in parts
+        if trial.trial_id in part["trials"]
+        for name, one in part["keypoints"].items()
+    }

@@ -13,9 +13,8 @@ from bluekoi.camera.calibration_uncertainty import (
 )
 from bluekoi.camera.geometry_hypotheses import fit_hypothesis
 from bluekoi.camera.resection import first_order_pose, pool_rectangle, pose_from_marks
-from bluekoi.camera.rigid_distances import CameraGeometry
+from bluekoi.camera.rigid_distances import CameraGeometry, rigid_distances
 from bluekoi.camera.rigid_length_check import (
-    check_camera_geometry,
     check_rigid_distances,
     estimate_depth,
 )
@@ -89,13 +88,8 @@ def mapped_trials(
 
 
 def geometry_check(believed: PoolCamera, **made):
-    return check_camera_geometry(
-        believed,
-        mapped_trials(believed, **made),
-        depth_m=DEPTH_M,
-        head_lengths_m=[0.12] * 12,
-        robot=Robot(**PAPER_ROBOT),
-    )
+    distances = rigid_distances(mapped_trials(believed, **made), [0.12] * 12, Robot(**PAPER_ROBOT))
+    return check_rigid_distances(CameraGeometry(believed, DEPTH_M), distances)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -250,9 +244,7 @@ def test_trials_without_rigid_pairs_are_a_fault():
     trials = mapped_trials(TRUTH)[:1]
     blind = replace(trials[0], likelihood=np.zeros((120, 4)))
     with pytest.raises(InputError, match="no two neighbouring rigid keypoints"):
-        check_camera_geometry(
-            TRUTH, [blind], depth_m=DEPTH_M, head_lengths_m=[0.12], robot=Robot(**PAPER_ROBOT)
-        )
+        rigid_distances([blind], [0.12], Robot(**PAPER_ROBOT))
 
 
 def test_calibration_modes_are_what_misclicked_corners_do():

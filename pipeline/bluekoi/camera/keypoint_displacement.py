@@ -12,7 +12,7 @@ lens stretches a length equally in both directions.
 
 A displacement common to all keypoints does not change lengths. The vectors d are therefore given
 relative to the largest group of keypoints that are not displaced relative to each other. Of two
-groups of the same size it is not known which one is displaced; the motion is corrected alike.
+groups of the same size it is not known which one is displaced; the corrected motion is the same.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from .rigid_distances import RigidDistances, rigid_distances
 MIN_SIGMAS = 5.0
 """Standard errors from 0 beyond which a keypoint counts as displaced. Fifteen studies
 of `campus_pool` 5841, `tidal_lock` 9402 and `leading_plate` 5701, in which no keypoint is displaced
-in this way, reach 2.4 (60 keypoints)."""
+in this way, reach 2.5 (60 keypoints, relative to the mean of the others)."""
 FALSE_ALARM_PROBABILITY = 6e-7
 """Probability with which a change within the session is found by chance: that of `MIN_SIGMAS`
 standard deviations of a normal distribution."""
@@ -88,13 +88,13 @@ def displacements_by_part(
         for part in parts
     ]
     first, second = map(vectors_m, each)
-    if common and _are_alike(first, second, MIN_DISPLACEMENT_SHARE * robot.body_length_m):
+    if common and _agree(first, second, MIN_DISPLACEMENT_SHARE * robot.body_length_m):
         return [(range(len(trials)), common)]
     displaced = [(part, found) for part, found in zip(parts, each, strict=True) if found]
     return displaced or ([(range(len(trials)), common)] if common else [])
 
 
-def _are_alike(
+def _agree(
     one: Mapping[str, tuple[float, float]], other: Mapping[str, tuple[float, float]], least_m: float
 ) -> bool:
     """Whether the same keypoints are displaced, by vectors that differ by less than `least_m`."""
@@ -106,7 +106,7 @@ def _are_alike(
 def _parts_of_session(
     trials: Sequence[Positions], head_lengths_m: Sequence[float], robot: Robot
 ) -> list[range]:
-    """Parts that are displaced alike. The best of up to `MAX_CHANGES_TRIED` places of a change
+    """Parts with one displacement each. The best of up to `MAX_CHANGES_TRIED` places of a change
     counts if the misfit becomes smaller by more than chi-squared does by chance with
     `FALSE_ALARM_PROBABILITY` at any of these places, with as many degrees of freedom as a second
     part adds.
@@ -115,12 +115,10 @@ def _parts_of_session(
     """
     whole, count = range(len(trials)), len(trials)
     windows = window_means(rigid_distances(trials, head_lengths_m, robot))
-    patterns = [p for p in displacement_patterns(windows).values() if p.any()]
+    names, columns, stds = displacement_columns(windows)
     places = np.linspace(2, count - 2, min(max(count - 3, 0), MAX_CHANGES_TRIED))
-    if len(patterns) < 3 or not len(places):
+    if len(names) < 3 or not len(places):
         return [whole]
-    columns = np.column_stack(patterns)
-    stds = np.full(columns.shape[1], DISPLACEMENT_STD_SHARE * length_of_rigid_parts_m(windows))
 
     def in_two_parts(first: int) -> Float:
         before = (windows.trial < first)[:, None]
@@ -184,21 +182,20 @@ def _displaced(
     """The keypoints that are displaced relative to most others, by what was corrected and what the
     lengths show in addition.
     """
-    patterns = {name: p for name, p in displacement_patterns(windows).items() if p.any()}
-    if len(patterns) < 3:
+    names, columns, stds = displacement_columns(windows)
+    if len(names) < 3:
         return {}
-    columns, body_m = np.column_stack(list(patterns.values())), length_of_rigid_parts_m(windows)
-    stds = np.full(columns.shape[1], DISPLACEMENT_STD_SHARE * body_m)
+    least_m = MIN_DISPLACEMENT_SHARE * length_of_rigid_parts_m(windows)
     estimate, cov, _ = regress_lengths(windows, columns, stds)
-    vectors = estimate.reshape(-1, 2) + [corrected.get(name, (0.0, 0.0)) for name in patterns]
+    vectors = estimate.reshape(-1, 2) + [corrected.get(name, (0.0, 0.0)) for name in names]
     reference = _undisplaced(vectors, cov)
     found = {}
-    for k, name in enumerate(patterns):
+    for k, name in enumerate(names):
         if k in reference:
             continue
         vector, own = _relative_to(vectors, cov, k, reference)
         sigmas = _sigmas(vector, own)
-        if sigmas <= MIN_SIGMAS or np.hypot(*vector) <= MIN_DISPLACEMENT_SHARE * body_m:
+        if sigmas <= MIN_SIGMAS or np.hypot(*vector) <= least_m:
             continue
         x, y = np.round(vector, DECIMALS)
         x_std, y_std = np.sqrt(np.diag(own) + ROUNDING_VARIANCE_M2)
@@ -245,6 +242,13 @@ def _sigmas(vector: Float, cov: Float) -> float:
     return float(np.sqrt(vector @ np.linalg.solve(cov, vector)))
 
 
-def displacement_patterns(windows: RigidDistances) -> dict[str, Float]:
-    """Keypoint -> excess (n, 2) of each length by a displacement of 1 m along x and along y."""
-    return by_keypoint(windows, *[directions_of_lengths(windows)] * 2)
+def displacement_columns(windows: RigidDistances) -> tuple[tuple[str, ...], Float, Float]:
+    """Keypoints (k,) that were seen; excess (n, 2 k) of each length by a displacement of each of
+    them by 1 m along x and along y; and prior standard deviations (2 k,) of the displacements, m.
+    """
+    directions = directions_of_lengths(windows)
+    patterns = {name: p for name, p in by_keypoint(windows, directions, directions).items()
+                if p.any()}  # fmt: skip
+    columns = np.column_stack(list(patterns.values()))
+    std_m = DISPLACEMENT_STD_SHARE * length_of_rigid_parts_m(windows)
+    return tuple(patterns), columns, np.full(columns.shape[1], std_m)

@@ -16,19 +16,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from .keypoint_displacement import displacement_patterns
-from .length_regression import (
-    DISPLACEMENT_STD_SHARE,
-    directions_of_lengths,
-    length_of_rigid_parts_m,
-    regress_lengths,
-)
+from .keypoint_displacement import displacement_columns
+from .length_regression import directions_of_lengths, regress_lengths
 from .length_windows import window_means
 from .rigid_distances import RigidDistances
 
 MIN_SIGMAS = 5.0
 """Standard errors from 0 beyond which keypoints count as smoothed. Fifteen studies of `campus_pool`
-5841, `tidal_lock` 9402 and `leading_plate` 5701 with raw keypoints reach 3.3."""
+5841, `tidal_lock` 9402 and `leading_plate` 5701 with raw keypoints reach 3.2."""
 PRIOR_STD_OF_VARIANCE_S2 = 1.0 / 36.0
 """Prior standard deviation of s^2, wide: that of a moving average over 0.6 s."""
 MIN_WINDOWS_OF_A_LENGTH = 3
@@ -67,11 +62,9 @@ def keypoint_smoothing(distances: RigidDistances) -> KeypointSmoothing | None:
     windows, rates = windows.select(known), rates[known]
     if not len(rates):
         return None
-    displaced = [p for p in displacement_patterns(windows).values() if p.any()]
-    columns = np.column_stack([-0.5 * windows.known_m * rates**2, *displaced])
-    std_m = DISPLACEMENT_STD_SHARE * length_of_rigid_parts_m(windows)
-    stds = np.full(columns.shape[1], std_m)
-    stds[0] = PRIOR_STD_OF_VARIANCE_S2
+    _, displaced, displaced_stds = displacement_columns(windows)
+    columns = np.column_stack([-0.5 * windows.known_m * rates**2, displaced])
+    stds = np.concatenate([[PRIOR_STD_OF_VARIANCE_S2], displaced_stds])
     estimate, cov, _ = regress_lengths(windows, columns, stds)
     std = float(np.sqrt(cov[0, 0]))
     variance_s2 = float(max(estimate[0], 0.0))

@@ -37,10 +37,8 @@ def regress_lengths(
     that of the model. The scatter of the lengths is estimated from the median of the squared
     errors.
     """
-    others, stds = _other_patterns(windows)
     k = patterns.shape[1]
-    X = np.column_stack([patterns, others])
-    prior = np.concatenate([prior_stds, stds]) ** -2.0
+    X, prior = _with_other_patterns(windows, patterns, prior_stds)
     variance = windows.std_m**2 + (SYSTEMATIC_LENGTH_ERROR_SHARE * windows.known_m) ** 2
     for _ in range(NOISE_ITERATIONS):
         weighted = (X / variance[:, None]).T
@@ -48,8 +46,8 @@ def regress_lengths(
         b = np.linalg.solve(A, weighted @ windows.excess_m)
         e = windows.excess_m - X @ b
         variance = variance * max(1.0, float(np.median(e**2 / variance)) / CHI2_1_DF_MEDIAN)
-    gradients = np.array([weighted[:, own] @ e[own] for t in np.unique(windows.trial)
-                          if (own := windows.trial == t).any()])  # fmt: skip
+    trials = [windows.trial == trial for trial in np.unique(windows.trial)]
+    gradients = np.array([weighted[:, own] @ e[own] for own in trials])
     inverse = np.linalg.inv(A)
     cov = inverse @ (gradients.T @ gradients + A) @ inverse
     return np.asarray(b[:k]), np.asarray(cov[:k, :k]), np.asarray(variance)
@@ -61,10 +59,9 @@ def length_misfit(
     """Sum of squared errors over their variance (n,), and of squared coefficients over that of the
     prior, at the most probable coefficients.
     """
-    others, stds = _other_patterns(windows)
-    X = np.column_stack([patterns, others])
+    X, prior = _with_other_patterns(windows, patterns, prior_stds)
     weighted = (X / variance[:, None]).T
-    A = weighted @ X + np.diag(np.concatenate([prior_stds, stds]) ** -2.0)
+    A = weighted @ X + np.diag(prior)
     cross = weighted @ windows.excess_m
     return float(
         windows.excess_m @ (windows.excess_m / variance) - cross @ np.linalg.solve(A, cross)
@@ -93,6 +90,14 @@ def by_keypoint(windows: RigidDistances, front: Float, back: Float) -> dict[str,
         for name, part in zip(pair, (front, -back), strict=True):
             patterns[name] = patterns.get(name, 0.0) + own * part
     return patterns
+
+
+def _with_other_patterns(
+    windows: RigidDistances, patterns: Float, prior_stds: Float
+) -> tuple[Float, Float]:
+    """Patterns X and Z (n, k + z) side by side, and their prior precisions (k + z,)."""
+    others, stds = _other_patterns(windows)
+    return np.column_stack([patterns, others]), np.concatenate([prior_stds, stds]) ** -2.0
 
 
 def _other_patterns(windows: RigidDistances) -> tuple[Float, Float]:

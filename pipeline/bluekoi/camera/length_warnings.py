@@ -154,6 +154,5 @@ def _deviating_trial_warnings(geometry: Mapping[str, Any] | None) -> Iterator[st
         yield (
             f"Trial {name}: the robot's rigid lengths come out {100 * off:+.1f} % against the "
             "other trials. Its picture is not theirs (turned, mirrored, cropped, zoomed, or "
-            "another camera), a keypoint lies beside its place, or head_length_m is not this "
-            "trial's."
+            "another camera), a keypoint is displaced, or head_length_m is not this trial's."
         )

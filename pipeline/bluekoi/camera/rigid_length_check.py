@@ -61,27 +61,6 @@ class GeometryCheck:
     windows: RigidDistances
 
 
-def check_camera_geometry(
-    camera: PoolCamera,
-    trials: Sequence[Positions],
-    *,
-    depth_m: float,
-    head_lengths_m: Sequence[float],
-    robot: Robot,
-) -> GeometryCheck:
-    """Outcome of the rigid distances of one campaign, mapped with `camera` at `depth_m`.
-
-    An error is named when its F test, with trials as independent clusters, would pass by chance
-    once in 1000 over all hypotheses, and when it changes lengths by more than a detector's
-    systematic errors may. One that would have to be implausibly large (a focal length off by a
-    third) is named only where no other is certain; a lens error is first refined beyond small ones.
-
-    Raises: InputError where no rigid pair is ever seen.
-    """
-    distances = rigid_distances(trials, head_lengths_m, robot)
-    return check_rigid_distances(CameraGeometry(camera, depth_m), distances)
-
-
 def check_rigid_distances(
     geometry: CameraGeometry,
     distances: RigidDistances,
@@ -90,11 +69,17 @@ def check_rigid_distances(
     min_share: float = SYSTEMATIC_LENGTH_ERROR_SHARE,
     given: Sequence[str] = (),
 ) -> GeometryCheck:
-    """`check_camera_geometry` of distances. subject: start of its sentence; min_share: of
-    `HypothesisFit`.
+    """Outcome of the rigid distances of one campaign, mapped with the camera and depth of
+    `geometry`.
 
-    given: hypotheses about a value stated in study.yaml; a wrong scale is preferred where it
-    explains the distances as well. Hypotheses that change none of the distances are left out.
+    An error is named when its F test, with trials as independent clusters, would pass by chance
+    once in 1000 over all hypotheses, and when it changes lengths by more than a detector's
+    systematic errors may. One that would have to be implausibly large (a focal length off by a
+    third) is named only where no other is certain; a lens error is first refined beyond small ones.
+
+    subject: start of the sentence; min_share: of `HypothesisFit`. given: hypotheses about a value
+    stated in study.yaml; a wrong scale is preferred where it explains the distances as well.
+    Hypotheses that change none of the distances are left out.
     """
     patterns = {
         **length_excess_by_camera_error(geometry, distances),

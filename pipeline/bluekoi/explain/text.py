@@ -21,9 +21,7 @@ def markdown_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str
 
 
 def summary(found: CauseSearchResult) -> str:
-    """Verdict, causes with their numbers, probabilities, held-out errors, noise and
-    warnings.
-    """
+    """Verdict, causes with their numbers, probabilities, held-out errors, noise, and warnings."""
     parts = [f"{found.model.name}: {found.verdict}", verdict_sentence(found)]
     if found.named:
         head = ("cause", "kind", "probability", "gain", "size", "credible set")

@@ -21,7 +21,7 @@ def with_keypoint_bias_cause(
     """mismatch.json with `keypoint_bias` as its first cause; unchanged where no keypoint is
     displaced.
 
-    displacements: `keypoint_displacements` of geometry.json, which the tracks do not contain.
+    displacements: `Campaign.keypoint_displacements`, which the tracks do not contain.
     fitted: names of the trials of the fits. The cause includes an offset on the body that the
     search found.
     """
@@ -36,12 +36,12 @@ def with_keypoint_bias_cause(
         where = f"in all {len(fitted)} trials" if len(names) == len(fitted) else (
             f"in {len(names)} trials from {names[0]} to {names[-1]}"
         )  # fmt: skip
-        said_of = [_displacement_text(name, one) for name, one in keypoints.items()]
-        texts.append(f"{where}, {', '.join(said_of)}")
+        descriptions = [_displacement_text(name, one) for name, one in keypoints.items()]
+        texts.append(f"{where}, {', '.join(descriptions)}")
         regimes.append(f"all frames {where}, fixed to the pool")
         for name, one in keypoints.items():
             parameters |= _parameters_of_keypoint(name, one, suffix)
-    said = f"keypoints are displaced towards one side of the pool ({'; '.join(texts)})"
+    summary = f"keypoints are displaced towards one side of the pool ({'; '.join(texts)})"
     found_on_body = [c for c in content["causes"] if c["name"] == KEYPOINT_BIAS_CAUSE]
     for cause in found_on_body:
         parameters |= cause["parameters"]
@@ -50,10 +50,10 @@ def with_keypoint_bias_cause(
         parameters,
         regime="; ".join(regimes),
         sigmas=max(one["sigmas"] for _, keypoints in parts for one in keypoints.values()),
-        sentence=f"The rigid lengths of the robot show that {said}. Highlights and shadows "
+        sentence=f"The rigid lengths of the robot show that {summary}. Highlights and shadows "
         "displace keypoints in this way. The displacement was subtracted before the search.",
     )
-    sentence = (f"Measurement error: keypoint_bias, {said}. With corrected keypoints: "
+    sentence = (f"Measurement error: keypoint_bias, {summary}. With corrected keypoints: "
                 f"{content['sentence']}")  # fmt: skip
     return with_measured_cause(content, cause, sentence=sentence, replaces=found_on_body)
 

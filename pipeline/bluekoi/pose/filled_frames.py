@@ -20,10 +20,10 @@ second difference of a straight line is then at most twice the last digit."""
 ROUNDING_PX = 1e-6
 MIN_FILLED_FRAMES = 8
 """Frames of a gap from which it is named."""
-MIN_KINK_OVER_LIMIT = 5.0
+MIN_RATIO_AT_END = 5.0
 """Second difference where a filled gap meets a measured frame, over the largest one within the gap.
-Keypoints that were smoothed over time are straight for several frames as well, but become curved
-gradually."""
+Keypoints that were smoothed over time are straight for several frames as well, but their
+second difference grows gradually."""
 MIN_LIKELIHOOD = 0.5
 """Points below are not stated as measured: detectors fill gaps with such points themselves."""
 MIN_TRAVEL_PX = 2.0
@@ -51,19 +51,23 @@ def longest_filled_gap(keypoints: Keypoints) -> dict[str, Any] | None:
 def _filled_gaps(keypoints: Keypoints) -> list[tuple[int, int]]:
     """First frame, and frame after the last one, of each gap that was filled in."""
     xy = np.where(keypoints.likelihood[:, :, None] >= MIN_LIKELIHOOD, keypoints.xy_px, np.nan)
-    bends = np.abs(np.diff(xy, n=2, axis=0)).reshape(max(len(xy) - 2, 0), -1)
+    second_differences = np.abs(np.diff(xy, n=2, axis=0)).reshape(max(len(xy) - 2, 0), -1)
     limit = 2.0 * _last_digit_px(xy).reshape(len(xy), -1)
     limit = np.maximum(np.maximum(limit[:-2], limit[1:-1]), limit[2:]) + ROUNDING_PX
-    straight = np.isfinite(bends).any(axis=1) & ~(bends > limit).any(axis=1)
+    straight = np.isfinite(second_differences).any(axis=1) & ~(second_differences > limit).any(
+        axis=1
+    )
     travel = np.linalg.norm(xy - xy[:1], axis=2)
     straight &= np.maximum.accumulate((travel > MIN_TRAVEL_PX).any(axis=1))[1:-1]
     edges = np.flatnonzero(np.diff(np.concatenate([[0], straight.astype(int), [0]])))
     runs = edges.reshape(-1, 2) + 1  # a second difference belongs to the frame in its middle
-    kinks = np.nan_to_num(np.pad(bends / limit, ((1, 1), (0, 0))), nan=0.0).max(axis=1)
+    ratios = np.nan_to_num(np.pad(second_differences / limit, ((1, 1), (0, 0))), nan=0.0).max(
+        axis=1
+    )
     return [
         (int(first), int(end)) for first, end in runs
         if end - first >= MIN_FILLED_FRAMES
-        and max(kinks[first - 1], kinks[min(end, len(kinks) - 1)]) > MIN_KINK_OVER_LIMIT
+        and max(ratios[first - 1], ratios[min(end, len(ratios) - 1)]) > MIN_RATIO_AT_END
     ]  # fmt: skip
 
 
@@ -87,6 +91,6 @@ def filled_gap_warnings(gaps: Mapping[str, Mapping[str, Any]]) -> list[str]:
         f"In trial{'s' if len(gaps) > 1 else ''} {places}, each keypoint repeats its step from one "
         "frame to the next exactly, or stands still. These frames were filled in and not measured. "
         f"They and other such gaps of {MIN_FILLED_FRAMES} frames or more are not used; shorter "
-        "gaps cannot be told from measured frames. Leave the cells of all frames empty that were "
-        "not measured."
+        "gaps cannot be distinguished from measured frames. Leave the cells of every frame that "
+        "was not measured empty."
     ]

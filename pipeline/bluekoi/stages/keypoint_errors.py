@@ -1,6 +1,7 @@
 """Errors of keypoint files that the rigid lengths of all trials show.
 
-A stage of its own, because the tracks need it, and do not need the rest of the geometry check.
+This is not part of the stage `geometry`, because the tracks need these errors, but not the rest of
+the geometry check.
 """
 
 from __future__ import annotations

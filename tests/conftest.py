@@ -26,7 +26,11 @@ process at work.
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """The order of the files is ours, not that of xdist, which begins with most tests."""
+    """The order of the files is ours, not that of xdist, which begins with most tests. Where xdist
+    keeps all cores at work, a process with several threads takes longer and not less.
+    """
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        os.environ.setdefault("BLUEKOI_THREADS", "1")
     if hasattr(config.option, "loadscopereorder"):
         config.option.loadscopereorder = False
 

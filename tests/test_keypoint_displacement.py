@@ -8,12 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.camera.keypoint_displacement import (
-    displacements_by_part,
-    keypoint_displacements,
-    vectors_m,
-    without_displacements,
-)
+from bluekoi.camera.displacement_field import DisplacementField, without_displacements
+from bluekoi.camera.keypoint_displacement import displacements_by_part, keypoint_displacements
 from bluekoi.data import Positions, read_pose
 from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial, write_keypoints_csv
 from bluekoi.mismatch.displaced_keypoints import with_keypoint_bias_cause
@@ -55,6 +51,17 @@ def circles(seed: int, std_m: float = 0.001) -> list[Positions]:
     return [circle_with_noise(a, 100 * seed + k, std_m) for k, a in enumerate(HEAD_ANGLES_RAD)]
 
 
+def displaced_by(one: Positions, vector: tuple[float, float], *parts: str) -> Positions:
+    return without_displacements(
+        one, dict.fromkeys(parts, DisplacementField(-vector[0], -vector[1]))
+    )
+
+
+def vectors_m(found: dict) -> dict[str, tuple[float, float]]:
+    assert all(one.growth == 0.0 for one in found.values())
+    return {name: (one.x_m, one.y_m) for name, one in found.items()}
+
+
 def found_in(trials: list[Positions]) -> dict:
     return keypoint_displacements(trials, [0.12] * len(trials), ROBOT)
 
@@ -62,9 +69,7 @@ def found_in(trials: list[Positions]) -> dict:
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("vector", [(0.02, 0.0), (-0.004, 0.004), (0.0, -0.01)])
 def test_one_displaced_keypoint_is_found(part, vector):
-    displaced = [without_displacements(one, {part: (-vector[0], -vector[1])})
-                 for one in circles(1)]  # fmt: skip
-    found = found_in(displaced)
+    found = found_in([displaced_by(one, vector, part) for one in circles(1)])
     assert list(found) == [part]
     assert vectors_m(found)[part] == pytest.approx(vector, abs=0.001)
 
@@ -72,8 +77,7 @@ def test_one_displaced_keypoint_is_found(part, vector):
 @pytest.mark.parametrize("names", [("head_tip", "hinge"), ("hinge", "tail_base")])
 def test_of_two_keypoints_displaced_alike_the_difference_to_the_others_is_found(names):
     """Whether these two or the other two are displaced, no length shows."""
-    vector = dict.fromkeys(names, (-0.012, 0.0))
-    found = vectors_m(found_in([without_displacements(one, vector) for one in circles(1)]))
+    found = vectors_m(found_in([displaced_by(one, (0.012, 0.0), *names) for one in circles(1)]))
     assert len(found) == 2
     sign = 1.0 if set(found) == set(names) else -1.0
     assert set(found) == set(names) or not set(found) & set(names)
@@ -85,8 +89,7 @@ def test_estimates_have_the_stated_standard_errors():
     """Of 30 seeds; the rounding to 0.1 mm is part of them."""
     normalised = []
     for seed in range(30):
-        moved = [without_displacements(one, {"hinge": (-0.03, 0.0)})
-                 for one in circles(seed, std_m=0.01)]  # fmt: skip
+        moved = [displaced_by(one, (0.03, 0.0), "hinge") for one in circles(seed, std_m=0.01)]
         one = found_in(moved)["hinge"]
         errors = np.array([one.x_m, one.y_m]) - (0.03, 0.0)
         normalised += list(errors / [one.x_std_m, one.y_std_m])
@@ -95,7 +98,7 @@ def test_estimates_have_the_stated_standard_errors():
 
 def test_a_displacement_that_begins_within_the_session_is_found_with_its_trials():
     trials = [*circles(1), *circles(2), *circles(3)]
-    late = [without_displacements(one, {"hinge": (-0.015, 0.0)}) for one in trials[8:]]
+    late = [displaced_by(one, (0.015, 0.0), "hinge") for one in trials[8:]]
     ((part, found),) = displacements_by_part([*trials[:8], *late], [0.12] * 18, ROBOT)
     assert part == range(8, 18)
     assert vectors_m(found)["hinge"] == pytest.approx((0.015, 0.0), abs=0.001)
@@ -103,7 +106,7 @@ def test_a_displacement_that_begins_within_the_session_is_found_with_its_trials(
 
 def test_a_displacement_that_turns_round_has_two_parts():
     trials = [*circles(4), *circles(5), *circles(6)]
-    moved = [without_displacements(one, {"tail_base": (0.01 if k < 9 else -0.01, 0.0)})
+    moved = [displaced_by(one, (-0.01 if k < 9 else 0.01, 0.0), "tail_base")
              for k, one in enumerate(trials)]  # fmt: skip
     found = displacements_by_part(moved, [0.12] * 18, ROBOT)
     assert [part for part, _ in found] == [range(9), range(9, 18)]
@@ -114,10 +117,35 @@ def test_a_displacement_that_turns_round_has_two_parts():
 
 def test_a_lasting_displacement_has_one_part():
     trials = [*circles(7), *circles(8)]
-    moved = [without_displacements(one, {"hinge": (-0.02, 0.0)}) for one in trials]
+    moved = [displaced_by(one, (0.02, 0.0), "hinge") for one in trials]
     ((part, _),) = displacements_by_part(moved, [0.12] * 12, ROBOT)
     assert part == range(12)
     assert displacements_by_part(trials, [0.12] * 12, ROBOT) == []
+
+
+@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("growth", [0.03, -0.02])
+def test_a_keypoint_above_or_below_the_others_is_found_by_its_parallax(part, growth):
+    """Displaced away from the point below the camera, (1.5, 0.6) m, in proportion to the distance
+    from it; the robots swim between 0 and 3 m.
+    """
+    places = np.random.default_rng(1).uniform(-1.0, 1.0, (12, 2))
+    trials = [replace(one, xy_m=one.xy_m + place)
+              for one, place in zip([*circles(1), *circles(2)], places, strict=True)]  # fmt: skip
+    camera = np.array([1.5, 0.6])
+    k = PARTS.index(part)
+    moved = []
+    for one in trials:
+        xy = one.xy_m.copy()
+        xy[:, k] += growth * (xy[:, k] - camera)
+        moved.append(replace(one, xy_m=xy))
+    found = found_in(moved)
+    assert list(found) == [part]
+    assert found[part].growth == pytest.approx(growth, abs=0.002)
+    corrected = [without_displacements(one, {part: found[part].field}) for one in moved]
+    for one, truth in zip(corrected, trials, strict=True):
+        assert np.abs(one.xy_m - truth.xy_m).max() < 0.002
+    assert found_in(trials) == {}
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -152,7 +180,7 @@ def test_a_stretched_picture_displaces_no_keypoint():
 def test_straight_trials_in_one_direction_show_no_displacement():
     """They cannot tell a displacement in the pool from one on the body."""
     one = circle_with_noise(0.0, 5)
-    moved = without_displacements(one, {"hinge": (-0.01, 0.0)})
+    moved = displaced_by(one, (0.01, 0.0), "hinge")
     assert found_in([moved] * 3) == {}
 
 
@@ -188,7 +216,8 @@ def test_tracks_of_a_study_are_corrected(tmp_path):
 
 
 def test_the_verdict_names_keypoint_bias_first():
-    hinge = {"x_m": 0.0, "y_m": -0.012, "x_std_m": 2e-4, "y_std_m": 3e-4, "sigmas": 40.0}
+    hinge = {"x_m": 0.0, "y_m": -0.012, "x_std_m": 2e-4, "y_std_m": 3e-4, "sigmas": 40.0,
+             "growth": 0.0, "growth_std": 1e-4, "middle_m": [1.3, 0.8]}  # fmt: skip
     displaced = [{"trials": ["T1", "T2"], "keypoints": {"hinge": hinge}}]
     on_body = {"name": "keypoint_bias", "weight": 0.9, "parameters": {"left_offset": {"value": 1}}}
     other = {"name": "stall", "weight": 0.9, "parameters": {}}
@@ -201,3 +230,16 @@ def test_the_verdict_names_keypoint_bias_first():
     assert with_keypoint_bias_cause(content, [], ["T1", "T2"]) == content
     later = with_keypoint_bias_cause(content, displaced, ["T1", "T2", "T3"])
     assert "in 2 trials from T1 to T2, hinge by 12.0 mm" in later["sentence"]
+
+
+def test_the_verdict_states_a_parallax():
+    tail = {"x_m": 0.0, "y_m": 0.0, "x_std_m": 2e-4, "y_std_m": 3e-4, "sigmas": 40.0,
+            "growth": -0.02, "growth_std": 1e-4, "middle_m": [1.3, 0.8]}  # fmt: skip
+    displaced = [{"trials": ["T1", "T2"], "keypoints": {"tail_base": tail}}]
+    result = with_keypoint_bias_cause(EMPTY_VERDICT, displaced, ["T1", "T2"])
+    assert (
+        "tail_base by 2.0 % of the distance from (1.30, 0.80) m, towards it" in result["sentence"]
+    )
+    (cause,) = result["causes"]
+    assert cause["parameters"].keys() == {"tail_base_growth"}
+    assert "higher or lower than the others" in cause["sentence"]

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..data import Float
 from .keypoint_displacement import displacement_columns
-from .length_regression import directions_of_lengths, regress_lengths
+from .length_regression import directions_of_lengths, middle_of_lengths_m, regress_lengths
 from .length_windows import window_means
 from .rigid_distances import RigidDistances
 
@@ -62,7 +62,7 @@ def keypoint_smoothing(distances: RigidDistances) -> KeypointSmoothing | None:
     windows, rates = windows.select(known), rates[known]
     if not len(rates):
         return None
-    _, displaced, displaced_stds = displacement_columns(windows)
+    _, displaced, displaced_stds = displacement_columns(windows, middle_of_lengths_m(windows))
     columns = np.column_stack([-0.5 * windows.known_m * rates**2, displaced])
     stds = np.concatenate([[PRIOR_STD_OF_VARIANCE_S2], displaced_stds])
     estimate, cov, _ = regress_lengths(windows, columns, stds)

@@ -5,8 +5,7 @@ With y the excess of the measured lengths (means over short windows of all trial
     y = X a + Z b + e,    b ~ N(0, S),    e ~ N(0, N).
 
 X are the changes that are sought, and Z b what else may change lengths: keypoints displaced on the
-body, keypoints at different heights (displaced away from the point below the camera, in proportion
-to the distance from it), and stretches of the picture that vary with place and direction.
+body, and stretches of the picture that vary with place and direction.
 """
 
 from __future__ import annotations
@@ -20,9 +19,8 @@ from .rigid_distances import RIGID_PAIRS, RigidDistances, length_excess_by_keypo
 DISPLACEMENT_STD_SHARE = 0.1
 """Prior standard deviation of a displacement of a keypoint over the length of the rigid parts:
 wide."""
-STRETCH_STD, RELATIVE_HEIGHT_STD = 0.02, 0.02
-"""Prior standard deviations, wide: of a relative stretch, and of a keypoint's height above the
-others over the height of the camera (3 cm seen from 1.5 m)."""
+STRETCH_STD = 0.02
+"""Prior standard deviation of a relative stretch, wide."""
 NOISE_ITERATIONS = 3
 CHI2_1_DF_MEDIAN = 0.455
 
@@ -74,6 +72,11 @@ def length_of_rigid_parts_m(windows: RigidDistances) -> float:
     return float(sum(np.median(windows.known_m[pair == k]) for k in np.unique(pair)))
 
 
+def middle_of_lengths_m(windows: RigidDistances) -> Float:
+    """Mean position (2,) of all lengths."""
+    return np.asarray(0.5 * (windows.front_m + windows.back_m).mean(axis=0))
+
+
 def directions_of_lengths(windows: RigidDistances) -> Float:
     """Unit vectors (n, 2) from back to front."""
     along = windows.front_m - windows.back_m
@@ -105,20 +108,15 @@ def _other_patterns(windows: RigidDistances) -> tuple[Float, Float]:
     u, pair = directions_of_lengths(windows), windows.pair.round()
     body_m = length_of_rigid_parts_m(windows)
     middle = 0.5 * (windows.front_m + windows.back_m)
-    center = middle.mean(axis=0)
     on_body = [*length_excess_by_keypoint_shift(windows).values(),
                np.where(pair == 0, np.sin(windows.bend_rad), 0.0)]  # fmt: skip
-    outwards = [np.sum(u * (end - center), axis=1)[:, None]
-                for end in (windows.front_m, windows.back_m)]  # fmt: skip
-    heights = [pattern[:, 0] for pattern in by_keypoint(windows, *outwards).values()]
-    x, y = ((middle - center) / np.maximum(np.ptp(middle, axis=0), body_m)).T * 2.0
+    x, y = (
+        (middle - middle_of_lengths_m(windows)) / np.maximum(np.ptp(middle, axis=0), body_m)
+    ).T * 2.0
     ones = np.ones_like(x)
     directions = (ones, u[:, 0] ** 2 - u[:, 1] ** 2, 2.0 * u[:, 0] * u[:, 1])
     places = (ones, x, y, x * x, x * y, y * y)
     stretches = [windows.known_m * place * way for place in places for way in directions]
-    columns = np.column_stack([*on_body, *heights, *stretches])
-    stds = np.repeat(
-        [DISPLACEMENT_STD_SHARE * body_m, RELATIVE_HEIGHT_STD, STRETCH_STD],
-        [len(on_body), len(heights), len(stretches)],
-    )
+    columns = np.column_stack([*on_body, *stretches])
+    stds = np.repeat([DISPLACEMENT_STD_SHARE * body_m, STRETCH_STD], [len(on_body), len(stretches)])
     return columns, stds

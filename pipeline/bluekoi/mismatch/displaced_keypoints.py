@@ -41,7 +41,7 @@ def with_keypoint_bias_cause(
         regimes.append(f"all frames {where}, fixed to the pool")
         for name, one in keypoints.items():
             parameters |= _parameters_of_keypoint(name, one, suffix)
-    summary = f"keypoints are displaced towards one side of the pool ({'; '.join(texts)})"
+    summary = f"keypoints are displaced in the pool ({'; '.join(texts)})"
     found_on_body = [c for c in content["causes"] if c["name"] == KEYPOINT_BIAS_CAUSE]
     for cause in found_on_body:
         parameters |= cause["parameters"]
@@ -50,29 +50,60 @@ def with_keypoint_bias_cause(
         parameters,
         regime="; ".join(regimes),
         sigmas=max(one["sigmas"] for _, keypoints in parts for one in keypoints.values()),
-        sentence=f"The rigid lengths of the robot show that {summary}. Highlights and shadows "
-        "displace keypoints in this way. The displacement was subtracted before the search.",
+        sentence=f"The rigid lengths of the robot show that {summary}. {_possible_reasons(parts)} "
+        "The displacement was subtracted before the search.",
     )
     sentence = (f"Measurement error: keypoint_bias, {summary}. With corrected keypoints: "
                 f"{content['sentence']}")  # fmt: skip
     return with_measured_cause(content, cause, sentence=sentence, replaces=found_on_body)
 
 
-def _displacement_text(keypoint: str, found: Mapping[str, float]) -> str:
+def _possible_reasons(parts: Sequence[tuple[Sequence[str], Mapping[str, Any]]]) -> str:
+    found = [one for _, keypoints in parts for one in keypoints.values()]
+    reasons = []
+    if any(one["x_m"] or one["y_m"] for one in found):
+        reasons.append("Highlights and shadows displace keypoints towards one side.")
+    if any(one["growth"] for one in found):
+        reasons.append("The displacement of a keypoint that lies higher or lower than the others "
+                       "grows with the distance from the point below the camera.")  # fmt: skip
+    return " ".join(reasons)
+
+
+def _displacement_text(keypoint: str, found: Mapping[str, Any]) -> str:
     size_m = np.hypot(found["x_m"], found["y_m"])
     toward = np.degrees(np.arctan2(found["y_m"], found["x_m"]))
-    return f"{keypoint} by {1000 * size_m:.1f} mm, {toward:.0f} degrees from the x axis"
+    x, y = found["middle_m"]
+    place = f"({x:.2f}, {y:.2f}) m"
+    texts = []
+    if size_m:
+        texts.append(f"{1000 * size_m:.1f} mm, {toward:.0f} degrees from the x axis")
+    if found["growth"]:
+        way = "away from it" if found["growth"] > 0 else "towards it"
+        texts.append(f"{100 * abs(found['growth']):.1f} % of the distance from {place}, {way}")
+    return f"{keypoint} by {', and by '.join(texts)}"
 
 
 def _parameters_of_keypoint(
-    keypoint: str, found: Mapping[str, float], suffix: str
+    keypoint: str, found: Mapping[str, Any], suffix: str
 ) -> dict[str, dict[str, Any]]:
-    return {
-        f"{keypoint}_{axis}{suffix}": {
-            "value": found[f"{axis}_m"],
-            "std": found[f"{axis}_std_m"],
-            "unit": "m",
-            "meaning": f"displacement of {keypoint} along {axis} of the pool",
+    x, y = found["middle_m"]
+    parameters = {}
+    if found["x_m"] or found["y_m"]:
+        parameters = {
+            f"{keypoint}_{axis}{suffix}": {
+                "value": found[f"{axis}_m"],
+                "std": found[f"{axis}_std_m"],
+                "unit": "m",
+                "meaning": f"displacement of {keypoint} along {axis} of the pool",
+            }
+            for axis in ("x", "y")
         }
-        for axis in ("x", "y")
-    }
+    if found["growth"]:
+        parameters[f"{keypoint}_growth{suffix}"] = {
+            "value": found["growth"],
+            "std": found["growth_std"],
+            "unit": "m/m",
+            "meaning": f"displacement of {keypoint} away from ({x:.2f}, {y:.2f}) m over the "
+            "distance from there",
+        }
+    return parameters

@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..files import read_json
 from ..study import Study, Trial
 from .depth import keypoint_depth
-from .keypoint_errors_file import displacement_vectors_m
+from .keypoint_errors_file import displacements_of_trial
 from .layout import ResultPaths
 
 MAX_COMPARED_BYTES = 2**20
@@ -80,7 +80,7 @@ def _motion_inputs(study: Study, trial: Trial, layout: ResultPaths) -> list[Any]
     log = study.motor_path(trial)
     depth_m = keypoint_depth(study.setup, layout)
     given = study.setup.robot.depth_given
-    displaced = displacement_vectors_m(trial, layout)
+    displaced = displacements_of_trial(trial, layout)
     files = [file_state(path) for path in (layout.detection(trial.trial_id), log) if path]
     return [without_keys(trial_row(trial), "role"), setup, given, depth_m, displaced, files]
 

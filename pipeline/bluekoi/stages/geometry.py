@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from ..camera.displacement_field import without_displacements
 from ..camera.geometry_hypotheses import HypothesisFit
-from ..camera.keypoint_displacement import without_displacements
 from ..camera.keypoint_smoothing import without_smoothing
 from ..camera.length_windows import windows_to_columns
 from ..camera.pool_projection import PoolCamera
@@ -26,7 +26,7 @@ from ..errors import InputError
 from ..files import read_json, write_json
 from ..study import Study, Trial, load_study
 from ..study.keypoint_depth import select_keypoint_depth_m
-from .keypoint_errors_file import displacement_vectors_m, read_keypoint_errors
+from .keypoint_errors_file import displacements_of_trial, read_keypoint_errors
 from .layout import ResultPaths
 from .mapped_keypoints import (
     mapped_keypoint_positions,
@@ -161,7 +161,7 @@ def _placed_keypoints(
 ) -> list[Positions]:
     """Positions without the displacements that the rigid lengths showed."""
     return [
-        without_displacements(one, displacement_vectors_m(trial, layout))
+        without_displacements(one, displacements_of_trial(trial, layout))
         for trial, one in zip(
             trials, mapped_keypoint_positions(camera, trials, layout, depth_m), strict=True
         )

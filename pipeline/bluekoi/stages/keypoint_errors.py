@@ -10,11 +10,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ..camera.keypoint_displacement import (
-    displacements_by_part,
-    vectors_m,
-    without_displacements,
-)
+from ..camera.displacement_field import without_displacements
+from ..camera.keypoint_displacement import displacement_fields, displacements_by_part
 from ..camera.keypoint_smoothing import keypoint_smoothing
 from ..camera.rigid_distances import rigid_distances
 from ..errors import InputError
@@ -51,7 +48,7 @@ def _errors_of_trials(study: Study, trials: list[Trial], layout: ResultPaths) ->
     displaced, placed = displacements_by_part(mapped, lengths, robot), list(mapped)
     for part, found in displaced:
         for k in part:
-            placed[k] = without_displacements(mapped[k], vectors_m(found))
+            placed[k] = without_displacements(mapped[k], displacement_fields(found))
     smoothing = keypoint_smoothing(rigid_distances(placed, lengths, robot))
     return {
         "displacements": [

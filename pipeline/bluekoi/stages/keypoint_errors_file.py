@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ..camera.displacement_field import DisplacementField
 from ..files import read_json_if_present
 from ..study import Trial
 from .layout import ResultPaths
@@ -20,13 +21,15 @@ def read_keypoint_errors(layout: ResultPaths) -> Mapping[str, Any]:
     return read_json_if_present(layout.keypoint_errors) or NO_ERRORS
 
 
-def displacement_vectors_m(trial: Trial, layout: ResultPaths) -> dict[str, tuple[float, float]]:
-    """Keypoint -> displacement (x, y) in the pool frame, m, in the keypoints of a trial."""
+def displacements_of_trial(trial: Trial, layout: ResultPaths) -> dict[str, DisplacementField]:
+    """Keypoint -> displacement in the pool frame, in the keypoints of a trial."""
     if not trial.reads_keypoints:
         return {}
     parts = read_keypoint_errors(layout)["displacements"]
     return {
-        name: (one["x_m"], one["y_m"])
+        name: DisplacementField(
+            one["x_m"], one["y_m"], one.get("growth", 0.0), *one.get("middle_m", (0.0, 0.0))
+        )
         for part in parts
         if trial.trial_id in part["trials"]
         for name, one in part["keypoints"].items()

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..camera.calibration_uncertainty import calibration_covariance_at_points
-from ..camera.keypoint_displacement import without_displacements
+from ..camera.displacement_field import without_displacements
 from ..camera.picture_bounds import check_within_picture
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
@@ -38,7 +38,7 @@ from ..study import Study, Trial, load_study
 from .compiling import precompile_smoother as preload
 from .depth import keypoint_depth
 from .head_angle_sign import head_angle_sign_finding
-from .keypoint_errors_file import displacement_vectors_m
+from .keypoint_errors_file import displacements_of_trial
 from .layout import ResultPaths
 from .pool_edges import check_pool_edges
 from .status import run_with_status
@@ -73,7 +73,7 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
     if trial.reads_keypoints and study.setup.camera:
         check_within_picture(study.paths(trial)[0], found, study.setup.camera.image_size_px)
     depth = keypoint_depth(study.setup, layout)
-    displaced = displacement_vectors_m(trial, layout)
+    displaced = displacements_of_trial(trial, layout)
     mapped = without_displacements(
         map_keypoints(camera, without_filled_frames(found), depth),
         displaced,

@@ -25,12 +25,13 @@ process at work.
 """
 
 
+if "PYTEST_XDIST_WORKER" in os.environ:
+    # xdist keeps all cores at work: several threads in each of its processes only take longer
+    os.environ.setdefault("BLUEKOI_THREADS", "1")
+
+
 def pytest_configure(config: pytest.Config) -> None:
-    """The order of the files is ours, not that of xdist, which begins with most tests. Where xdist
-    keeps all cores at work, a process with several threads takes longer and not less.
-    """
-    if "PYTEST_XDIST_WORKER" in os.environ:
-        os.environ.setdefault("BLUEKOI_THREADS", "1")
+    """The order of the files is ours, not that of xdist, which begins with most tests."""
     if hasattr(config.option, "loadscopereorder"):
         config.option.loadscopereorder = False
 

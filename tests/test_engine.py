@@ -51,7 +51,7 @@ from bluekoi.engine.expansion import (
 )
 from bluekoi.engine.fitted_sets import FittedCauseSets
 from bluekoi.engine.own_noise import (
-    MIN_ROUND_GAIN_LOG_LIK,
+    MIN_LOG_LIKELIHOOD_GAIN_PER_ROUND,
     SMALL_FORCE_CORRELATION_TIME_S,
     SMALL_FORCE_SHARE,
     fit_without_causes,
@@ -551,7 +551,7 @@ def test_other_starts_of_the_noise_reach_the_same_fit(share: float) -> None:
         fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), noise, {}))
         for noise in (problem.noise, other)
     )
-    assert again.log_joint == pytest.approx(first.log_joint, abs=MIN_ROUND_GAIN_LOG_LIK)
+    assert again.log_joint == pytest.approx(first.log_joint, abs=MIN_LOG_LIKELIHOOD_GAIN_PER_ROUND)
 
 
 def test_the_model_without_causes_is_fitted_from_two_noises_and_the_likelier_fit_kept(

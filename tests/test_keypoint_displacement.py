@@ -8,14 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bluekoi.camera.displaced_session_parts import displacements_by_part
 from bluekoi.camera.displacement_field import DisplacementField, without_displacements
-from bluekoi.camera.keypoint_displacement import displacements_by_part, keypoint_displacements
+from bluekoi.camera.keypoint_displacement import keypoint_displacements
 from bluekoi.data import Positions, read_pose
+from bluekoi.files import write_json
 from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial, write_keypoints_csv
 from bluekoi.mismatch.displaced_keypoints import with_keypoint_bias_cause
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.keypoint_errors import keypoint_errors
+from bluekoi.stages.keypoint_errors_file import NO_ERRORS, displacements_of_trial
 from bluekoi.stages.keypoints import keypoints
+from bluekoi.stages.layout import ResultPaths
 from bluekoi.stages.tracks import tracks
 from bluekoi.study import Robot, load_study
 from small_studies import SMALL_STUDY_TRIALS, small_study
@@ -25,6 +29,7 @@ ROBOT = Robot(
     head_span_m=0.069, hinge_to_com_m=0.04, tail_length_m=0.066,
 )  # fmt: skip
 PARTS = ("head_tip", "hinge", "core_center", "tail_base")
+CAMERA_M = np.array([1.5, 0.6])
 HEAD_ANGLES_RAD = np.radians([-30.0, -15.0, 0.0, 15.0, 30.0, 0.0])
 EMPTY_VERDICT = {"verdict": "none", "sentence": "Nothing.", "causes": [], "rivals": [],
                  "probabilities": {"keypoint_bias": 0.01}}  # fmt: skip
@@ -51,14 +56,24 @@ def circles(seed: int, std_m: float = 0.001) -> list[Positions]:
     return [circle_with_noise(a, 100 * seed + k, std_m) for k, a in enumerate(HEAD_ANGLES_RAD)]
 
 
-def displaced_by(one: Positions, vector: tuple[float, float], *parts: str) -> Positions:
-    return without_displacements(
-        one, dict.fromkeys(parts, DisplacementField(-vector[0], -vector[1]))
-    )
+def displaced_by(
+    one: Positions, vector: tuple[float, float], *parts: str, parallax: float = 0.0
+) -> Positions:
+    """With `parts` displaced by a vector and away from `CAMERA_M`, the point below the camera."""
+    moved = np.array([name in parts for name in one.names])[:, None]
+    return replace(one, xy_m=one.xy_m + moved * (vector + parallax * (one.xy_m - CAMERA_M)))
+
+
+def circles_all_over_the_pool(trials: int, seed: int) -> list[Positions]:
+    places = np.random.default_rng(seed).uniform(-0.8, 0.8, (trials, 2))
+    heads = np.resize(HEAD_ANGLES_RAD, trials)
+    return [replace(one, xy_m=one.xy_m + place)
+            for k, (angle, place) in enumerate(zip(heads, places, strict=True))
+            for one in [circle_with_noise(angle, 1000 * seed + k)]]  # fmt: skip
 
 
 def vectors_m(found: dict) -> dict[str, tuple[float, float]]:
-    assert all(one.growth == 0.0 for one in found.values())
+    assert all(one.parallax == 0.0 for one in found.values())
     return {name: (one.x_m, one.y_m) for name, one in found.items()}
 
 
@@ -124,28 +139,67 @@ def test_a_lasting_displacement_has_one_part():
 
 
 @pytest.mark.parametrize("part", PARTS)
-@pytest.mark.parametrize("growth", [0.03, -0.02])
-def test_a_keypoint_above_or_below_the_others_is_found_by_its_parallax(part, growth):
-    """Displaced away from the point below the camera, (1.5, 0.6) m, in proportion to the distance
-    from it; the robots swim between 0 and 3 m.
-    """
-    places = np.random.default_rng(1).uniform(-1.0, 1.0, (12, 2))
-    trials = [replace(one, xy_m=one.xy_m + place)
-              for one, place in zip([*circles(1), *circles(2)], places, strict=True)]  # fmt: skip
-    camera = np.array([1.5, 0.6])
-    k = PARTS.index(part)
-    moved = []
-    for one in trials:
-        xy = one.xy_m.copy()
-        xy[:, k] += growth * (xy[:, k] - camera)
-        moved.append(replace(one, xy_m=xy))
-    found = found_in(moved)
+@pytest.mark.parametrize("parallax", [0.03, -0.02])
+def test_a_keypoint_above_or_below_the_others_is_found_by_its_parallax(part, parallax):
+    trials = circles_all_over_the_pool(12, 1)
+    found = found_in([displaced_by(one, (0.0, 0.0), part, parallax=parallax) for one in trials])
     assert list(found) == [part]
-    assert found[part].growth == pytest.approx(growth, abs=0.002)
-    corrected = [without_displacements(one, {part: found[part].field}) for one in moved]
-    for one, truth in zip(corrected, trials, strict=True):
-        assert np.abs(one.xy_m - truth.xy_m).max() < 0.002
+    assert found[part].parallax == pytest.approx(parallax, abs=0.002)
+    center = -np.array([found[part].x_m, found[part].y_m]) / found[part].parallax
+    assert center == pytest.approx(CAMERA_M, abs=0.05)
+
+
+def test_vector_and_parallax_of_one_keypoint_are_found_together():
+    trials = circles_all_over_the_pool(12, 2)
+    moved = [displaced_by(one, (0.01, -0.02), "hinge", parallax=0.02) for one in trials]
+    field = found_in(moved)["hinge"].field
+    truth = DisplacementField(0.01 - 0.02 * 1.5, -0.02 - 0.02 * 0.6, 0.02)
+    for one, exact in zip(moved, trials, strict=True):
+        assert field.at(exact.xy_m) == pytest.approx(truth.at(exact.xy_m), abs=0.001)
+        corrected = without_displacements(one, {"hinge": field})
+        assert corrected.xy_m == pytest.approx(exact.xy_m, abs=0.001)
+
+
+def test_parallaxes_have_the_stated_standard_errors():
+    """Of 30 seeds; stated errors include the scatter between few trials, and are rather large."""
+    normalised = []
+    for seed in range(30):
+        moved = [displaced_by(one, (0.0, 0.0), "hinge", parallax=0.03)
+                 for one in circles_all_over_the_pool(12, seed)]  # fmt: skip
+        one = found_in(moved)["hinge"]
+        normalised.append((one.parallax - 0.03) / one.parallax_std)
+    assert 0.5 < np.std(normalised) < 1.3
+
+
+def test_a_parallax_that_changes_within_the_session_has_two_parts():
+    """The positions of both parts are the same, so that their means are."""
+    trials = [*circles_all_over_the_pool(12, 3)] * 2
+    moved = [displaced_by(one, (0.02, 0.0), "hinge", parallax=0.03 if k < 12 else 0.01)
+             for k, one in enumerate(trials)]  # fmt: skip
+    found = displacements_by_part(moved, [0.12] * 24, ROBOT)
+    assert [part for part, _ in found] == [range(12), range(12, 24)]
+    assert [one["hinge"].parallax for _, one in found] == pytest.approx([0.03, 0.01], abs=0.002)
+
+
+def test_an_estimate_that_does_not_converge_is_not_used():
+    """Displaced by more than half of the distance: lengths have the directions of other points."""
+    trials = circles_all_over_the_pool(12, 4)
+    moved = [displaced_by(one, (0.0, 0.0), "hinge", parallax=-0.6) for one in trials]
+    assert found_in(moved) == {}
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_camera_errors_all_over_the_pool_displace_no_keypoint(seed):
+    middle = np.array([1.3, 0.8])
+    trials = circles_all_over_the_pool(12, seed)
     assert found_in(trials) == {}
+    for distort in (
+        lambda out: out * (1.0 + 0.03 * np.sum(out**2, axis=2, keepdims=True)),
+        lambda out: out / (1.0 + out @ np.array([[0.03], [0.02]])),
+        lambda out: 1.05 * out,
+    ):
+        seen = [replace(one, xy_m=middle + distort(one.xy_m - middle)) for one in trials]
+        assert found_in(seen) == {}
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -217,7 +271,7 @@ def test_tracks_of_a_study_are_corrected(tmp_path):
 
 def test_the_verdict_names_keypoint_bias_first():
     hinge = {"x_m": 0.0, "y_m": -0.012, "x_std_m": 2e-4, "y_std_m": 3e-4, "sigmas": 40.0,
-             "growth": 0.0, "growth_std": 1e-4, "middle_m": [1.3, 0.8]}  # fmt: skip
+             "parallax": 0.0, "parallax_std": 1e-4}  # fmt: skip
     displaced = [{"trials": ["T1", "T2"], "keypoints": {"hinge": hinge}}]
     on_body = {"name": "keypoint_bias", "weight": 0.9, "parameters": {"left_offset": {"value": 1}}}
     other = {"name": "stall", "weight": 0.9, "parameters": {}}
@@ -233,13 +287,26 @@ def test_the_verdict_names_keypoint_bias_first():
 
 
 def test_the_verdict_states_a_parallax():
-    tail = {"x_m": 0.0, "y_m": 0.0, "x_std_m": 2e-4, "y_std_m": 3e-4, "sigmas": 40.0,
-            "growth": -0.02, "growth_std": 1e-4, "middle_m": [1.3, 0.8]}  # fmt: skip
+    tail = {"x_m": 0.026, "y_m": 0.016, "x_std_m": 2e-4, "y_std_m": 3e-4, "sigmas": 40.0,
+            "parallax": -0.02, "parallax_std": 1e-4}  # fmt: skip
     displaced = [{"trials": ["T1", "T2"], "keypoints": {"tail_base": tail}}]
     result = with_keypoint_bias_cause(EMPTY_VERDICT, displaced, ["T1", "T2"])
-    assert (
-        "tail_base by 2.0 % of the distance from (1.30, 0.80) m, towards it" in result["sentence"]
-    )
+    text = "tail_base by 2.0 % of its distance from (1.30, 0.80) m, towards it"
+    assert text in result["sentence"]
     (cause,) = result["causes"]
-    assert cause["parameters"].keys() == {"tail_base_growth"}
+    assert cause["parameters"].keys() == {"tail_base_x", "tail_base_y", "tail_base_parallax"}
     assert "higher or lower than the others" in cause["sentence"]
+    assert "Highlights" not in cause["sentence"]
+    parts = [{"trials": [name], "keypoints": {"tail_base": tail}} for name in ("T1", "T2")]
+    both = with_keypoint_bias_cause(EMPTY_VERDICT, parts, ["T1", "T2"])["causes"][0]["parameters"]
+    assert {"tail_base_parallax_part_1", "tail_base_parallax_part_2"} <= both.keys()
+
+
+def test_a_file_of_an_earlier_version_has_no_parallax(tmp_path):
+    study = load_study(small_study(tmp_path / "study"))
+    layout = ResultPaths(tmp_path / "results")
+    part = {"trials": ["T10"], "keypoints": {"hinge": {"x_m": 0.01, "y_m": 0.0}}}
+    write_json(layout.keypoint_errors, {**NO_ERRORS, "displacements": [part]})
+    found = displacements_of_trial(study.trial("T10"), layout)
+    assert found == {"hinge": DisplacementField(0.01, 0.0, 0.0)}
+    assert displacements_of_trial(study.trial("T09"), layout) == {}

@@ -52,6 +52,10 @@ def test_lengths_without_the_smoothing_are_the_stated_ones():
     before, after = (np.abs(np.mean((d.excess_m / d.known_m)[fast])) for d in (shrunk, corrected))
     assert before > 0.005
     assert after < 0.2 * before
+    first = shrunk.trial == 0  # one trial alone was smoothed
+    partly = without_smoothing(shrunk, first * found.variance_s2)
+    assert np.array_equal(partly.excess_m[first], corrected.excess_m[first])
+    assert np.array_equal(partly.excess_m[~first], shrunk.excess_m[~first])
 
 
 def test_a_keypoint_displaced_in_the_pool_is_no_smoothing():

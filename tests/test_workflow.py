@@ -47,7 +47,7 @@ from bluekoi.workflow.progress import (
     SnakemakeProgressHandler,
     signal_that_killed,
 )
-from bluekoi.workflow.remaining_time import Timing, duration_text, usual_durations_s
+from bluekoi.workflow.remaining_time import Timing, duration_text, durations_of_last_run_s
 from bluekoi.workflow.run_start import without_rate_limit
 from forked_snakemake import snakemake
 from small_studies import edit_trials_csv, small_study
@@ -416,11 +416,11 @@ def test_the_workflow_lints_clean(finished_workflow):
 def test_time_left_is_work_over_pace():
     timing = Timing()
     timing.expect({"tracks": 4, "all": 1, "total": 5})
-    timing.start(1, "tracks", 0.0)
-    timing.start(2, "tracks", 0.0)
+    timing.job_started(1, "tracks", 0.0)
+    timing.job_started(2, "tracks", 0.0)
     assert timing.remaining_s(5.0) is None
-    assert timing.finish(1, 10.0) == "tracks"
-    timing.finish(2, 10.0)
+    assert timing.job_finished(1, 10.0) == "tracks"
+    timing.job_finished(2, 10.0)
     assert (timing.done, timing.total) == (2, 4)
     assert timing.remaining_s(10.0) == pytest.approx(10.0)  # 20 s of work, two at a time
 
@@ -429,8 +429,8 @@ def test_the_first_job_of_a_first_run_is_no_measure_of_its_time():
     timing = Timing()
     timing.expect({"demo": 24, "tracks": 24})
     for job in range(5):
-        timing.start(job, "demo", 10.0 * job)
-        timing.finish(job, 10.0 * job + 10.0)
+        timing.job_started(job, "demo", 10.0 * job)
+        timing.job_finished(job, 10.0 * job + 10.0)
         assert (timing.remaining_s(10.0 * job + 10.0) is None) == (job < 4)
 
 
@@ -439,19 +439,19 @@ def test_time_left_before_the_long_jobs_is_what_they_took_the_last_time(tmp_path
     for name, s in (("tracks/T1", 5.0), ("tuning", 60.0), ("mismatch", 120.0)):
         (tmp_path / f"benchmarks/{name}.tsv").write_text(f"s\th:m:s\n{s}\t0:01\n")
     (tmp_path / "benchmarks/report.tsv").write_text("")
-    timing = Timing(usual_durations_s(tmp_path))
+    timing = Timing(durations_of_last_run_s(tmp_path))
     timing.expect({"tracks": 1, "tuning": 1, "mismatch": 1})
-    timing.start(1, "tracks", 0.0)
-    timing.finish(1, 10.0)
+    timing.job_started(1, "tracks", 0.0)
+    timing.job_finished(1, 10.0)
     assert timing.remaining_s(10.0) == pytest.approx(2 * 180.0)  # twice as slow as the last time
 
 
 def test_a_single_job_that_takes_longer_than_foreseen_is_not_said_to_end_soon():
     timing = Timing({"tracks": 1.0, "mismatch": 10.0})
     timing.expect({"tracks": 1, "mismatch": 1})
-    timing.start(1, "tracks", 0.0)
-    timing.finish(1, 1.0)
-    timing.start(2, "mismatch", 1.0)
+    timing.job_started(1, "tracks", 0.0)
+    timing.job_finished(1, 1.0)
+    timing.job_started(2, "mismatch", 1.0)
     assert timing.remaining_s(6.0) == pytest.approx(5.0)
     assert timing.remaining_s(30.0) is None
 

@@ -1,6 +1,9 @@
-"""Displacement of a keypoint in the pool frame as a function of its position.
+"""Displacement of a keypoint as a function of its position p in the pool frame.
 
-d(p) = c + g (p - p_0)
+    d(p) = a + g p
+
+A constant displacement has g = 0. A keypoint that lies higher than the others has the parallax g
+and is displaced away from the point below the camera, at which d = 0.
 """
 
 from __future__ import annotations
@@ -11,30 +14,28 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..data import Positions
+from ..data import Float, Positions
 
 
 class DisplacementField(NamedTuple):
-    """c: displacement (x, y) at p_0, m; g: growth, m per m of distance from p_0; p_0: the middle
-    (x, y) of all positions, m.
-    """
+    """a: displacement (x, y) at the origin of the pool frame, m; g: parallax, m per m."""
 
     x_m: float
     y_m: float
-    growth: float = 0.0
-    middle_x_m: float = 0.0
-    middle_y_m: float = 0.0
+    parallax: float = 0.0
+
+    def at(self, positions_m: Float) -> Float:
+        """Displacements (..., 2) at positions (..., 2), m."""
+        return np.asarray([self.x_m, self.y_m] + self.parallax * positions_m)
 
 
 def without_displacements(
     positions: Positions, displacements: Mapping[str, DisplacementField]
 ) -> Positions:
-    """Positions p = p_0 + (p' - p_0 - c) / (1 + g), from the measured positions p', of the
-    displaced keypoints.
-    """
+    """Positions with p = (p' - a) / (1 + g) in place of the p' of displaced keypoints."""
     if not displacements:
         return positions
     none = DisplacementField(0.0, 0.0)
     fields = np.array([displacements.get(name, none) for name in positions.names])
-    c, g, middle = fields[:, :2], fields[:, 2:3], fields[:, 3:]
-    return replace(positions, xy_m=middle + (positions.xy_m - middle - c) / (1.0 + g))
+    a, g = fields[:, :2], fields[:, 2:]
+    return replace(positions, xy_m=(positions.xy_m - a) / (1.0 + g))

@@ -38,19 +38,19 @@ def distance_map(camera: PoolCamera, distances: RigidDistances, predicted: Float
     middle = (distances.front_m + distances.back_m) / 2
     weight = (distances.known_m / distances.std_m) ** 2
 
-    def summed(values: Float) -> Float:
+    def sum_by_cell(values: Float) -> Float:
         grid = np.histogram2d(middle[:, 0], middle[:, 1], bins=[x_edges, y_edges], weights=values)[
             0
         ]
         return np.asarray(grid.T, dtype=np.float64)
 
-    total = summed(weight)
+    total = sum_by_cell(weight)
     with np.errstate(invalid="ignore", divide="ignore"):
         return DistanceMap(
             x_edges_m=x_edges,
             y_edges_m=y_edges,
-            excess=summed(weight * distances.excess_m / distances.known_m) / total,
+            excess=sum_by_cell(weight * distances.excess_m / distances.known_m) / total,
             std=1 / np.sqrt(total),
-            count=summed(np.ones_like(weight)),
-            model=summed(weight * predicted / distances.known_m) / total,
+            count=sum_by_cell(np.ones_like(weight)),
+            model=sum_by_cell(weight * predicted / distances.known_m) / total,
         )

@@ -1,9 +1,9 @@
-"""Keypoints that are displaced from their place on the robot, whatever the heading of the robot.
+"""Keypoints that are displaced from their place on the robot as a function of place in the pool.
 
 A detector that takes a highlight or a shadow for a part of the robot displaces it towards one side
 of the pool. A keypoint that lies higher than the others is displaced away from the point below the
-camera, in proportion to the distance from it. With p the position in the pool and p_0 the middle of
-all positions, both are contained in
+camera, in proportion to the distance from it. With p the position in the pool and p_0 the mean
+position of the lengths, both are contained in
 
     d(p) = c + g (p - p_0).
 
@@ -13,10 +13,10 @@ vector from back to front. The measured length has the excess
     y = u' (d_f - d_b) + Z b + e    (Z b: `length_regression`).
 
 The excess by c changes its sign when the robot turns by 180 degrees, and that by g when the robot
-heads towards the camera instead of away from it. That of a camera error does not: a lens stretches
-a length equally in both directions.
+heads towards the point below the camera instead of away from it. That of a camera error does not: a
+lens stretches a length equally in both directions.
 
-A displacement common to all keypoints does not change lengths, and a common growth g cannot be
+A displacement common to all keypoints does not change lengths, and a common parallax g cannot be
 distinguished from an error of the scale. Both are therefore given relative to the largest group of
 keypoints that are not displaced relative to each other. Of two groups of the same size it is not
 known which one is displaced; the corrected motion is the same.
@@ -37,10 +37,9 @@ from .displacement_field import DisplacementField, without_displacements
 from .length_regression import (
     DISPLACEMENT_STD_SHARE,
     by_keypoint,
+    centers_of_lengths_m,
     directions_of_lengths,
-    length_misfit,
     length_of_rigid_parts_m,
-    middle_of_lengths_m,
     regress_lengths,
 )
 from .length_windows import window_means
@@ -51,129 +50,52 @@ MIN_SIGMAS = 5.0
 of `campus_pool` 5841, `tidal_lock` 9402 and `leading_plate` 5701, in which no keypoint is displaced
 in this way, reach 2.5 with c and 2.2 with g (60 keypoints, relative to the mean of the others)."""
 FALSE_ALARM_PROBABILITY = 6e-7
-"""Probability with which a change within the session is found by chance: that of `MIN_SIGMAS`
-standard deviations of a normal distribution."""
+"""Probability with which keypoints that agree are found to differ: that of `MIN_SIGMAS` standard
+deviations of a normal distribution."""
 MIN_DISPLACEMENT_SHARE = 0.006
 """Smallest displacement that is corrected, over the length of the rigid parts from nose to tail:
 2 mm for the published robot, whose keypoints are labelled to 1 mm in careful work. That by g is
-taken at the root mean square distance from the middle."""
-GROWTH_STD = 0.02
-"""Prior standard deviation of g, wide: a keypoint 3 cm above the others, seen from 1.5 m."""
-MAX_ESTIMATES, MAX_CHANGES_TRIED = 6, 40
+taken at the root mean square distance from p_0."""
+PARALLAX_STD = 0.02
+"""Prior standard deviation of g: a keypoint 3 cm above the others, seen from 1.5 m. The lengths of
+those fifteen studies determine g to 3e-4 or better, so that the prior does not matter."""
+MAX_ESTIMATES = 6
+"""Limit of the computing time. An estimate that still changes by the smallest displacement is not
+used."""
 DECIMALS = 4
-"""Displacements are used to a tenth of a millimetre, and their growth to as much per metre: their
+"""Displacements are used to a tenth of a millimetre, and the parallax to as much per metre: their
 last digits change with every trial that is added, and each change places the keypoints of all
 trials again."""
-ROUNDING_VARIANCE_M2 = 0.1 ** (2 * DECIMALS) / 12.0
+ROUNDING_VARIANCE = 0.1 ** (2 * DECIMALS) / 12.0
 
 
 @dataclass(frozen=True)
 class KeypointDisplacement:
-    """Displacement (x, y) of a keypoint in the pool frame at the middle of all positions, m, and
-    its growth with the distance from there, m per m. Each is 0 where it does not count. The
-    standard errors include the rounding.
+    """Displacement (x, y) of a keypoint at the origin of the pool frame, m, and its parallax, m per
+    m; 0 where the displacement is constant. The standard errors include the rounding.
 
-    middle_m: (x, y). sigmas: distance from 0 in standard errors, of the larger one.
+    sigmas: distance of c or g from 0 in standard errors, the larger of those that count.
     """
 
     x_m: float
     y_m: float
     x_std_m: float
     y_std_m: float
-    growth: float
-    growth_std: float
-    middle_m: tuple[float, float]
+    parallax: float
+    parallax_std: float
     sigmas: float
 
     @property
     def field(self) -> DisplacementField:
         """The displacement at each position."""
-        return DisplacementField(self.x_m, self.y_m, self.growth, *self.middle_m)
-
-
-def displacements_by_part(
-    trials: Sequence[Positions], head_lengths_m: Sequence[float], robot: Robot
-) -> list[tuple[range, dict[str, KeypointDisplacement]]]:
-    """Displaced keypoints of each part of the session (places in `trials`, in the order of filming)
-    in which there are any. There is one part, or two where a displacement begins, ends or changes,
-    as when a lamp is moved.
-
-    Raises: InputError where no rigid pair is ever seen.
-    """
-    common = keypoint_displacements(trials, head_lengths_m, robot)
-    corrected = [without_displacements(one, displacement_fields(common)) for one in trials]
-    parts = _parts_of_session(corrected, head_lengths_m, robot)
-    if len(parts) == 1:
-        return [(parts[0], common)] if common else []
-    each = [
-        keypoint_displacements([trials[k] for k in part], [head_lengths_m[k] for k in part], robot)
-        for part in parts
-    ]
-    if common and _agree(each[0], each[1], MIN_DISPLACEMENT_SHARE * robot.body_length_m):
-        return [(range(len(trials)), common)]
-    displaced = [(part, found) for part, found in zip(parts, each, strict=True) if found]
-    return displaced or ([(range(len(trials)), common)] if common else [])
-
-
-def _agree(
-    one: Mapping[str, KeypointDisplacement], other: Mapping[str, KeypointDisplacement],
-    least_m: float,
-) -> bool:  # fmt: skip
-    """Whether the same keypoints are displaced, in the middles of both parts of the session by
-    vectors that differ by less than `least_m`.
-    """
-    return one.keys() == other.keys() and all(
-        np.hypot(*np.subtract(_displacement_at(one[name], place),
-                              _displacement_at(other[name], place))) < least_m
-        for name in one for place in (one[name].middle_m, other[name].middle_m)
-    )  # fmt: skip
-
-
-def _displacement_at(found: KeypointDisplacement, place_m: tuple[float, float]) -> Float:
-    away = np.subtract(place_m, found.middle_m)
-    return np.asarray([found.x_m, found.y_m] + found.growth * away)
-
-
-def _parts_of_session(
-    trials: Sequence[Positions], head_lengths_m: Sequence[float], robot: Robot
-) -> list[range]:
-    """Parts with one displacement each. The best of up to `MAX_CHANGES_TRIED` places of a change
-    counts if the misfit becomes smaller by more than chi-squared does by chance with
-    `FALSE_ALARM_PROBABILITY` at any of these places, with as many degrees of freedom as a second
-    part adds.
-
-    Raises: InputError where no rigid pair is ever seen.
-    """
-    whole, count = range(len(trials)), len(trials)
-    windows = window_means(rigid_distances(trials, head_lengths_m, robot))
-    names, columns, stds = displacement_columns(windows, middle_of_lengths_m(windows))
-    places = np.linspace(2, count - 2, min(max(count - 3, 0), MAX_CHANGES_TRIED))
-    if len(names) < 3 or not len(places):
-        return [whole]
-
-    def in_two_parts(first: int) -> Float:
-        before = (windows.trial < first)[:, None]
-        return np.column_stack([columns * before, columns * ~before])
-
-    _, _, variance = regress_lengths(windows, columns, stds)
-    twice = np.concatenate([stds, stds])
-    tried = {int(first): length_misfit(windows, in_two_parts(int(first)), twice, variance)
-             for first in places.round()}  # fmt: skip
-    change = min(tried, key=lambda first: tried[first])
-    _, _, variance = regress_lengths(windows, in_two_parts(change), twice)
-    gain = length_misfit(windows, columns, stds, variance) - length_misfit(
-        windows, in_two_parts(change), twice, variance
-    )
-    if gain < chdtri(columns.shape[1], FALSE_ALARM_PROBABILITY / len(tried)):
-        return [whole]
-    return [range(change), range(change, count)]
+        return DisplacementField(self.x_m, self.y_m, self.parallax)
 
 
 def keypoint_displacements(
     trials: Sequence[Positions], head_lengths_m: Sequence[float], robot: Robot
 ) -> dict[str, KeypointDisplacement]:
     """The displaced keypoints by name; none where fewer than three keypoints are connected by
-    lengths.
+    lengths, or where the estimates do not converge.
 
     The estimate is repeated with corrected positions, since the directions and head angles of the
     first one are those of displaced keypoints.
@@ -181,17 +103,14 @@ def keypoint_displacements(
     Raises: InputError where no rigid pair is ever seen.
     """
     fields: dict[str, DisplacementField] = {}
-    found: dict[str, KeypointDisplacement] = {}
-    middle_m = None
     for _ in range(MAX_ESTIMATES):
         corrected = [without_displacements(one, fields) for one in trials]
         windows = window_means(rigid_distances(corrected, head_lengths_m, robot))
-        middle_m = middle_of_lengths_m(windows).round(DECIMALS) if middle_m is None else middle_m
-        found = _displaced(windows, fields, middle_m)
-        if displacement_fields(found) == fields:
-            break
+        before, found = fields, _displaced(windows, fields)
         fields = displacement_fields(found)
-    return found
+        if fields == before:
+            break
+    return found if same_displacements(before, fields, windows) else {}
 
 
 def displacement_fields(
@@ -201,40 +120,69 @@ def displacement_fields(
     return {name: found.field for name, found in displaced.items()}
 
 
+def same_displacements(
+    one: Mapping[str, DisplacementField],
+    other: Mapping[str, DisplacementField],
+    windows: RigidDistances,
+) -> bool:
+    """Whether the same keypoints are displaced, at the places of the lengths by vectors whose root
+    mean square difference is below the smallest displacement that is corrected.
+    """
+    places, least_m = centers_of_lengths_m(windows), smallest_displacement_m(windows)
+    return one.keys() == other.keys() and all(
+        _rms_m(one[name].at(places) - other[name].at(places)) < least_m for name in one
+    )
+
+
+def smallest_displacement_m(windows: RigidDistances) -> float:
+    """Smallest displacement that is corrected."""
+    return MIN_DISPLACEMENT_SHARE * length_of_rigid_parts_m(windows)
+
+
 def _displaced(
-    windows: RigidDistances, corrected: Mapping[str, DisplacementField], middle_m: Float
+    windows: RigidDistances, corrected: Mapping[str, DisplacementField]
 ) -> dict[str, KeypointDisplacement]:
     """The keypoints that are displaced relative to most others, by what was corrected and what the
     lengths show in addition.
     """
-    names, columns, stds = displacement_columns(windows, middle_m)
+    names, columns, stds = displacement_columns(windows)
     if len(names) < 3:
         return {}
     estimate, cov, _ = regress_lengths(windows, columns, stds)
-    vectors = estimate.reshape(-1, 3) + [corrected.get(name, (0.0,) * 3)[:3] for name in names]
+    mean_position = centers_of_lengths_m(windows).mean(axis=0)
+    known = [corrected.get(name, DisplacementField(0.0, 0.0)) for name in names]
+    before = [[*field.at(mean_position), field.parallax] for field in known]
+    vectors = estimate.reshape(-1, 3) + before
     reference = _undisplaced(vectors, cov)
     found = {}
-    for k, name in enumerate(names):
-        one = _displacement(*_relative_to(vectors, cov, k, reference), windows, middle_m)
-        if one.sigmas > 0 and k not in reference:
-            found[name] = one
+    for k in sorted(set(range(len(names))) - set(reference)):
+        one = _displacement(*_relative_to(vectors, cov, k, reference), windows)
+        if one is not None:
+            found[names[k]] = one
     return found
 
 
 def _displacement(
-    vector: Float, cov: Float, windows: RigidDistances, middle_m: Float
-) -> KeypointDisplacement:
-    """Displacement from its estimate (x, y, growth) and covariance (3, 3)."""
-    least_m = MIN_DISPLACEMENT_SHARE * length_of_rigid_parts_m(windows)
-    constant, growth = _sigmas(vector[:2], cov[:2, :2]), _sigmas(vector[2:], cov[2:, 2:])
-    is_constant = constant > MIN_SIGMAS and np.hypot(*vector[:2]) > least_m
-    grows = growth > MIN_SIGMAS and abs(vector[2]) * _rms_distance_m(windows, middle_m) > least_m
-    counts = np.array([is_constant, is_constant, grows])
-    x, y, g = (float(v) for v in np.where(counts, np.round(vector, DECIMALS), 0.0))
-    x_std, y_std, g_std = (float(v) for v in np.sqrt(np.diag(cov) + ROUNDING_VARIANCE_M2))
-    middle_x, middle_y = (float(v) for v in middle_m)
-    sigmas = max(constant * is_constant, growth * grows)
-    return KeypointDisplacement(x, y, x_std, y_std, g, g_std, (middle_x, middle_y), float(sigmas))
+    vector: Float, cov: Float, windows: RigidDistances
+) -> KeypointDisplacement | None:
+    """Displacement from c and g (3,) and their covariance (3, 3); None where neither counts. g is 0
+    where it does not count.
+    """
+    places, least_m = centers_of_lengths_m(windows), smallest_displacement_m(windows)
+    mean_position = places.mean(axis=0)
+    constant, parallax = _sigmas(vector[:2], cov[:2, :2]), _sigmas(vector[2:], cov[2:, 2:])
+    is_displaced = constant > MIN_SIGMAS and np.hypot(*vector[:2]) > least_m
+    by_parallax = vector[2] * (places - mean_position)
+    has_parallax = parallax > MIN_SIGMAS and _rms_m(by_parallax) > least_m
+    if not (is_displaced or has_parallax):
+        return None
+    sigmas = float(max(constant * is_displaced, parallax * has_parallax))
+    g = float(np.round(vector[2], DECIMALS)) if has_parallax else 0.0
+    x, y = (float(v) for v in np.round(vector[:2] - g * mean_position, DECIMALS))
+    T = np.column_stack([np.eye(2), -mean_position * has_parallax])  # a = c - g p_0
+    x_std, y_std = (float(v) for v in np.sqrt(np.diag(T @ cov @ T.T) + ROUNDING_VARIANCE))
+    g_std = float(np.sqrt(cov[2, 2] + ROUNDING_VARIANCE))
+    return KeypointDisplacement(x, y, x_std, y_std, g, g_std, sigmas)
 
 
 def _undisplaced(vectors: Float, cov: Float) -> tuple[int, ...]:
@@ -264,9 +212,7 @@ def _difference_misfit(vectors: Float, cov: Float, group: Sequence[int]) -> floa
 def _relative_to(
     vectors: Float, cov: Float, k: int, reference: Sequence[int]
 ) -> tuple[Float, Float]:
-    """Displacement (x, y, growth) of keypoint k relative to the mean of others, and its covariance
-    (3, 3).
-    """
+    """C and g (3,) of keypoint k relative to the mean of others, and their covariance (3, 3)."""
     weights = np.zeros(len(vectors))
     weights[list(reference)] = -1.0 / len(reference)
     weights[k] += 1.0
@@ -278,23 +224,20 @@ def _sigmas(vector: Float, cov: Float) -> float:
     return float(np.sqrt(vector @ np.linalg.solve(cov, vector)))
 
 
-def displacement_columns(
-    windows: RigidDistances, middle_m: Float
-) -> tuple[tuple[str, ...], Float, Float]:
+def displacement_columns(windows: RigidDistances) -> tuple[tuple[str, ...], Float, Float]:
     """Keypoints (k,) that were seen; excess (n, 3 k) of each length by a displacement of each of
-    them by 1 m along x, along y, and by 1 m per m of distance from the middle; and prior standard
+    them by 1 m along x, along y, and by a parallax of 1 about the mean position; and prior standard
     deviations (3 k,).
     """
-    u = directions_of_lengths(windows)
-    front, back = (np.column_stack([u, np.sum(u * (end - middle_m), axis=1)])
+    u, mean_position = directions_of_lengths(windows), centers_of_lengths_m(windows).mean(axis=0)
+    front, back = (np.column_stack([u, np.sum(u * (end - mean_position), axis=1)])
                    for end in (windows.front_m, windows.back_m))  # fmt: skip
     patterns = {name: p for name, p in by_keypoint(windows, front, back).items() if p.any()}
     std_m = DISPLACEMENT_STD_SHARE * length_of_rigid_parts_m(windows)
-    stds = np.tile([std_m, std_m, GROWTH_STD], len(patterns))
+    stds = np.tile([std_m, std_m, PARALLAX_STD], len(patterns))
     return tuple(patterns), np.column_stack(list(patterns.values())), stds
 
 
-def _rms_distance_m(windows: RigidDistances, middle_m: Float) -> float:
-    """Root mean square distance of the lengths from the middle."""
-    away = 0.5 * (windows.front_m + windows.back_m) - middle_m
-    return float(np.sqrt(np.mean(np.sum(away**2, axis=1))))
+def _rms_m(vectors_m: Float) -> float:
+    """Root mean square length of vectors (n, 2)."""
+    return float(np.sqrt(np.mean(np.sum(vectors_m**2, axis=1))))

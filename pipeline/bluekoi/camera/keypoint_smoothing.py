@@ -17,7 +17,7 @@ import numpy as np
 
 from ..data import Float
 from .keypoint_displacement import displacement_columns
-from .length_regression import directions_of_lengths, middle_of_lengths_m, regress_lengths
+from .length_regression import directions_of_lengths, regress_lengths
 from .length_windows import window_means
 from .rigid_distances import RigidDistances
 
@@ -62,7 +62,7 @@ def keypoint_smoothing(distances: RigidDistances) -> KeypointSmoothing | None:
     windows, rates = windows.select(known), rates[known]
     if not len(rates):
         return None
-    _, displaced, displaced_stds = displacement_columns(windows, middle_of_lengths_m(windows))
+    _, displaced, displaced_stds = displacement_columns(windows)
     columns = np.column_stack([-0.5 * windows.known_m * rates**2, displaced])
     stds = np.concatenate([[PRIOR_STD_OF_VARIANCE_S2], displaced_stds])
     estimate, cov, _ = regress_lengths(windows, columns, stds)
@@ -75,8 +75,10 @@ def keypoint_smoothing(distances: RigidDistances) -> KeypointSmoothing | None:
     )  # fmt: skip
 
 
-def without_smoothing(distances: RigidDistances, variance_s2: float) -> RigidDistances:
-    """Lengths as they would be without a smoothing of this variance of the weights, s^2."""
+def without_smoothing(distances: RigidDistances, variance_s2: float | Float) -> RigidDistances:
+    """Lengths (n,) as they would be without a smoothing of this variance of the weights, s^2, or of
+    these variances (n,).
+    """
     rates = np.nan_to_num(yaw_rates_of_lengths(window_means(distances), distances))
     lost = 0.5 * distances.known_m * variance_s2 * rates**2
     return replace(distances, excess_m=distances.excess_m + lost)

@@ -72,9 +72,9 @@ def length_of_rigid_parts_m(windows: RigidDistances) -> float:
     return float(sum(np.median(windows.known_m[pair == k]) for k in np.unique(pair)))
 
 
-def middle_of_lengths_m(windows: RigidDistances) -> Float:
-    """Mean position (2,) of all lengths."""
-    return np.asarray(0.5 * (windows.front_m + windows.back_m).mean(axis=0))
+def centers_of_lengths_m(windows: RigidDistances) -> Float:
+    """Position (n, 2) of the centre of each length."""
+    return np.asarray(0.5 * (windows.front_m + windows.back_m))
 
 
 def directions_of_lengths(windows: RigidDistances) -> Float:
@@ -107,12 +107,11 @@ def _other_patterns(windows: RigidDistances) -> tuple[Float, Float]:
     """Z (n, z) of the other changes of lengths, and their prior standard deviations (z,)."""
     u, pair = directions_of_lengths(windows), windows.pair.round()
     body_m = length_of_rigid_parts_m(windows)
-    middle = 0.5 * (windows.front_m + windows.back_m)
+    centers = centers_of_lengths_m(windows)
     on_body = [*length_excess_by_keypoint_shift(windows).values(),
                np.where(pair == 0, np.sin(windows.bend_rad), 0.0)]  # fmt: skip
-    x, y = (
-        (middle - middle_of_lengths_m(windows)) / np.maximum(np.ptp(middle, axis=0), body_m)
-    ).T * 2.0
+    away = centers - centers.mean(axis=0)
+    x, y = (away / np.maximum(np.ptp(centers, axis=0), body_m)).T * 2.0
     ones = np.ones_like(x)
     directions = (ones, u[:, 0] ** 2 - u[:, 1] ** 2, 2.0 * u[:, 0] * u[:, 1])
     places = (ones, x, y, x * x, x * y, y * y)

@@ -14,7 +14,7 @@ from ..data import Float
 from ..errors import InputError, did_you_mean, input_error
 from ..model import robot_units
 from ..study import Study, StudySettings
-from ..study.validation_messages import findings_from_validation_error
+from ..study.validation_messages import issues_of_refused_values
 from .fits import COEFFICIENT_DRAWS, FittedRobot
 from .front import RobotDesign
 from .steady_states import OperatingCondition, steady_states
@@ -124,7 +124,7 @@ def _setup_with_changes(setup: StudySettings, changes: Mapping[str, float]) -> S
     try:
         return type(setup).model_validate(contents)
     except ValidationError as error:
-        raise InputError(findings_from_validation_error("--robot", error, type(setup))) from error
+        raise InputError(issues_of_refused_values("--robot", error, type(setup))) from error
 
 
 def _median_and_95_bounds(draws: Float) -> tuple[float, float, float]:

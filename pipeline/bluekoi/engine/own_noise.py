@@ -28,7 +28,7 @@ MAX_NOISE_ROUNDS, NOISE_STEPS = 6, 20
 """Limits of the computing time: rounds in which noise and numbers are fitted in turn, and
 quasi-Newton steps of each. `python -m validation noise-starts` measures what twice of both gains.
 """
-MIN_ROUND_GAIN_LOG_LIK = 0.3
+MIN_LOG_LIKELIHOOD_GAIN_PER_ROUND = 0.3
 """A round that gains less is the last one: log odds of 0.3 change a probability p by p (1 - p) 0.3,
 0.075 at most."""
 
@@ -50,7 +50,7 @@ def fit_own_noise(
         again = _update_noise_and_fit(problem, best, steps)
         if again is best:
             return replace(best, noise_is_final=True)
-        if again.log_joint - best.log_joint < MIN_ROUND_GAIN_LOG_LIK:
+        if again.log_joint - best.log_joint < MIN_LOG_LIKELIHOOD_GAIN_PER_ROUND:
             return again
         best = again
     return best

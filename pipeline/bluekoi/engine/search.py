@@ -30,7 +30,7 @@ from .fitted_sets import (
     FittedCauseSets,
 )
 from .own_noise import (
-    MIN_ROUND_GAIN_LOG_LIK,
+    MIN_LOG_LIKELIHOOD_GAIN_PER_ROUND,
     fit_without_causes,
     log_likelihood_gain_under_noise,
 )
@@ -204,7 +204,10 @@ def _refit_from_noise(
     """
     problem, model = visited.problem, scored.model
     gain = log_likelihood_gain_under_noise(problem, model, source.noise)
-    if abs(gain) < MIN_ROUND_GAIN_LOG_LIK or scored.log_posterior + max(gain, 0.0) <= least:
+    if (
+        abs(gain) < MIN_LOG_LIKELIHOOD_GAIN_PER_ROUND
+        or scored.log_posterior + max(gain, 0.0) <= least
+    ):
         return None
     left = visited.shared_discrepancy(source, model.key) or model.discrepancy
     again = refit_from_fitted_values(problem, model, source.noise, discrepancy=left)

@@ -59,51 +59,44 @@ def with_keypoint_bias_cause(
 
 
 def _possible_reasons(parts: Sequence[tuple[Sequence[str], Mapping[str, Any]]]) -> str:
-    found = [one for _, keypoints in parts for one in keypoints.values()]
+    found = [one["parallax"] != 0 for _, keypoints in parts for one in keypoints.values()]
     reasons = []
-    if any(one["x_m"] or one["y_m"] for one in found):
+    if not all(found):
         reasons.append("Highlights and shadows displace keypoints towards one side.")
-    if any(one["growth"] for one in found):
-        reasons.append("The displacement of a keypoint that lies higher or lower than the others "
-                       "grows with the distance from the point below the camera.")  # fmt: skip
+    if any(found):
+        reasons.append("A keypoint that lies higher or lower than the others is displaced in "
+                       "proportion to its distance from the point below the camera.")  # fmt: skip
     return " ".join(reasons)
 
 
-def _displacement_text(keypoint: str, found: Mapping[str, Any]) -> str:
-    size_m = np.hypot(found["x_m"], found["y_m"])
-    toward = np.degrees(np.arctan2(found["y_m"], found["x_m"]))
-    x, y = found["middle_m"]
-    place = f"({x:.2f}, {y:.2f}) m"
-    texts = []
-    if size_m:
-        texts.append(f"{1000 * size_m:.1f} mm, {toward:.0f} degrees from the x axis")
-    if found["growth"]:
-        way = "away from it" if found["growth"] > 0 else "towards it"
-        texts.append(f"{100 * abs(found['growth']):.1f} % of the distance from {place}, {way}")
-    return f"{keypoint} by {', and by '.join(texts)}"
+def _displacement_text(keypoint: str, found: Mapping[str, float]) -> str:
+    x, y, parallax = found["x_m"], found["y_m"], found["parallax"]
+    if parallax:
+        way = "away from it" if parallax > 0 else "towards it"
+        center = f"({-x / parallax:.2f}, {-y / parallax:.2f}) m"  # where the displacement is 0
+        return f"{keypoint} by {100 * abs(parallax):.1f} % of its distance from {center}, {way}"
+    toward = np.degrees(np.arctan2(y, x))
+    return f"{keypoint} by {1000 * np.hypot(x, y):.1f} mm, {toward:.0f} degrees from the x axis"
 
 
 def _parameters_of_keypoint(
-    keypoint: str, found: Mapping[str, Any], suffix: str
+    keypoint: str, found: Mapping[str, float], suffix: str
 ) -> dict[str, dict[str, Any]]:
-    x, y = found["middle_m"]
-    parameters = {}
-    if found["x_m"] or found["y_m"]:
-        parameters = {
-            f"{keypoint}_{axis}{suffix}": {
-                "value": found[f"{axis}_m"],
-                "std": found[f"{axis}_std_m"],
-                "unit": "m",
-                "meaning": f"displacement of {keypoint} along {axis} of the pool",
-            }
-            for axis in ("x", "y")
+    at_origin = ", at the origin" if found["parallax"] else ""
+    parameters: dict[str, dict[str, Any]] = {
+        f"{keypoint}_{axis}{suffix}": {
+            "value": found[f"{axis}_m"],
+            "std": found[f"{axis}_std_m"],
+            "unit": "m",
+            "meaning": f"displacement of {keypoint} along {axis} of the pool{at_origin}",
         }
-    if found["growth"]:
-        parameters[f"{keypoint}_growth{suffix}"] = {
-            "value": found["growth"],
-            "std": found["growth_std"],
+        for axis in ("x", "y")
+    }
+    if found["parallax"]:
+        parameters[f"{keypoint}_parallax{suffix}"] = {
+            "value": found["parallax"],
+            "std": found["parallax_std"],
             "unit": "m/m",
-            "meaning": f"displacement of {keypoint} away from ({x:.2f}, {y:.2f}) m over the "
-            "distance from there",
+            "meaning": f"growth of the displacement of {keypoint} with the position",
         }
     return parameters

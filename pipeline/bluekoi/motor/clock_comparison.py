@@ -12,7 +12,7 @@ from ..data import FlappingFrequency
 
 CLOCK_AGREEMENT_SIGMAS = 3.0
 """Standard errors within which the tail's frequency agrees with the motor's."""
-MAX_CLOCK_ERROR_SHARE = 0.25
+MAX_RELATIVE_CLOCK_ERROR = 0.25
 """Ratios that differ by less than this share are errors of one clock, not another frame rate."""
 CLOCK_RATIO_TOLERANCE = 0.02
 """Trials agree on a ratio where theirs differ by less than this share."""
@@ -38,7 +38,7 @@ def flapping_compared_with_video(
     """
     if not (math.isfinite(ratio) and math.isfinite(std)):
         return flapping
-    near = abs(ratio - 1) < MAX_CLOCK_ERROR_SHARE
+    near = abs(ratio - 1) < MAX_RELATIVE_CLOCK_ERROR
     agrees = abs(ratio - 1) <= CLOCK_AGREEMENT_SIGMAS * std
     own = math.sqrt(max(std**2 - (ratio * flapping.flap_hz_std / flapping.flap_hz) ** 2, 0.0))
     return replace(
@@ -87,7 +87,7 @@ def trials_with_deviating_clock(flapping: Mapping[str, FlappingFrequency]) -> li
     ratios = {i: f.ratio for i, f in flapping.items() if math.isfinite(f.ratio)}
     found = [i for i, f in flapping.items() if i not in ratios and not f.agrees]
     if common is None:
-        return [*found, *(i for i, r in ratios.items() if abs(r - 1) > MAX_CLOCK_ERROR_SHARE)]
+        return [*found, *(i for i, r in ratios.items() if abs(r - 1) > MAX_RELATIVE_CLOCK_ERROR)]
     away = {i: abs(r / common[0] - 1) for i, r in ratios.items()}
     scatter = float(np.median([*away.values()]))
     usual = max(CLOCK_RATIO_TOLERANCE, MAX_CLOCK_DEVIATION_MADS * scatter)

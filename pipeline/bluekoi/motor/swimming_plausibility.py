@@ -21,7 +21,7 @@ import numpy as np
 
 from ..data import FlappingFrequency, Positions, SteadyState
 from ..study import Robot
-from .clock_comparison import CLOCK_RATIO_TOLERANCE, MAX_CLOCK_ERROR_SHARE
+from .clock_comparison import CLOCK_RATIO_TOLERANCE, MAX_RELATIVE_CLOCK_ERROR
 from .motor_log import MIN_LOGGED_SHARE
 from .tail_beat import tail_excursion
 
@@ -158,7 +158,7 @@ def _clock_warnings(ratios: dict[str, float], of: int) -> Iterator[str]:
                   for a in ratios.values())  # fmt: skip
         group = max(groups, key=len)
         value = float(np.mean([ratios.pop(i) for i in group]))
-        near = abs(value - 1) < MAX_CLOCK_ERROR_SHARE
+        near = abs(value - 1) < MAX_RELATIVE_CLOCK_ERROR
         yield (
             f"{trial_list_text(group, of)}: the tail beats {value:.4g} times as fast in the "
             f"video as the "

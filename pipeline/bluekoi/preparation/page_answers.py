@@ -22,7 +22,7 @@ from ..motor import flapping_from_log
 from ..study import Camera, Pool, Robot, StudySettings, Trial, Water
 from ..study.image_files import expand_source
 from ..study.key_reference import setting_keys
-from ..study.validation_messages import findings_from_validation_error, shortened_repr
+from ..study.validation_messages import issues_of_refused_values, shortened_repr
 from .draft import Draft, read_draft
 from .draft_check import draft_findings
 from .frame_images import Luma, frame_at_share, points_as_json
@@ -168,7 +168,7 @@ def _camera_setup(values: Mapping[str, str]) -> StudySettings:
 
 def _validated_section(name: str, values: Mapping[str, str]) -> Any:
     """A section of study.yaml from the values typed. Raises: InputError."""
-    given = {key.partition(".")[2]: _parse_value(text) for key, text in values.items()
+    given = {key.partition(".")[2]: _parse_yaml_value(text) for key, text in values.items()
              if key.startswith(f"{name}.") and text.strip()}  # fmt: skip
     missing = [
         InputIssue("study.yaml", f"{name}.{key}", "nothing", "a number")
@@ -182,11 +182,11 @@ def _validated_section(name: str, values: Mapping[str, str]) -> Any:
         return model.model_validate(given)
     except ValidationError as error:
         raise InputError(
-            findings_from_validation_error("study.yaml", error, model, prefix=name)
+            issues_of_refused_values("study.yaml", error, model, prefix=name)
         ) from error
 
 
-def _parse_value(text: str) -> Any:
+def _parse_yaml_value(text: str) -> Any:
     try:
         return yaml.safe_load(text)
     except (yaml.YAMLError, ValueError, RecursionError):

@@ -29,12 +29,12 @@ from ..motor import (
     flapping_compared_with_video,
     trials_with_deviating_clock,
 )
-from ..motor.clock_comparison import CLOCK_AGREEMENT_SIGMAS, MAX_CLOCK_ERROR_SHARE
+from ..motor.clock_comparison import CLOCK_AGREEMENT_SIGMAS, MAX_RELATIVE_CLOCK_ERROR
 from ..study import Study
 
 MIN_CLOCK_RATIO_STD_SHARE = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
 
-MIN_TRIALS_WITH_ONE_WRONG_CLOCK = 3
+MIN_TRIALS_THAT_SHARE_A_CLOCK_FACTOR = 3
 """Trials, of two powers or more, whose ratios must agree for a clock to be wrong in a part of the
 trials. Logs that belong to other trials give equal ratios only at one power."""
 
@@ -67,7 +67,9 @@ def clock_factors(
         groups.setdefault(study.trial(name).fps, []).append(name)
     every = _common_factor(flapping, list(flapping))
     found = {fps: _common_factor(flapping, names) or every for fps, names in groups.items()}
-    wrong = {fps: f for fps, f in found.items() if f and abs(f.value - 1) > MAX_CLOCK_ERROR_SHARE}
+    wrong = {
+        fps: f for fps, f in found.items() if f and abs(f.value - 1) > MAX_RELATIVE_CLOCK_ERROR
+    }
     by_rate = {name: factor for fps, factor in wrong.items() for name in groups[fps]}
     others = {name: f for name, f in flapping.items() if name not in by_rate}
     return by_rate | _factor_of_deviating_trials(study, others)
@@ -93,7 +95,7 @@ def _factor_of_deviating_trials(
     alike = [n for n, limit in zip(logged, tolerance, strict=True)
              if abs(flapping[n].ratio - factor.value) < limit]  # fmt: skip
     powers = {study.trial(n).power_pct for n in alike}
-    enough = len(alike) >= MIN_TRIALS_WITH_ONE_WRONG_CLOCK and len(powers) > 1
+    enough = len(alike) >= MIN_TRIALS_THAT_SHARE_A_CLOCK_FACTOR and len(powers) > 1
     return dict.fromkeys(alike, factor) if enough else {}
 
 

@@ -64,7 +64,7 @@ def geometry(study: Path, results: Path) -> None:
     lengths that the likely error leaves. map: relative error of the distances over the
     pool, and what the likely error predicts there. windows: means of the distances over half a
     second, which the mismatch stage compares errors of the camera with. keypoint_displacements:
-    constant vectors in the pool, which are subtracted here and in the tracks. keypoint_smoothing:
+    those in the pool, which are subtracted here and in the tracks. keypoint_smoothing:
     the smoothing of the keypoints that lengths of turning parts show. tail_end_seen: False
     where no frame shows the body's whole length; trials_without_tail_end: those of which no frame
     does while most others have such frames.
@@ -105,7 +105,8 @@ def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: ResultPaths
     distances = rigid_distances(placed, lengths, setup.robot)
     errors = read_keypoint_errors(layout)
     if errors["smoothing"]:
-        distances = without_smoothing(distances, errors["smoothing"]["variance_s2"])
+        read = np.array([trial.reads_keypoints for trial in trials])[distances.trial.astype(int)]
+        distances = without_smoothing(distances, read * errors["smoothing"]["variance_s2"])
     check = check_rigid_distances(CameraGeometry(camera, depth), distances)
     return {
         **_geometry_check_json(check, trials),

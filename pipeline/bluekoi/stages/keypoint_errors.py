@@ -10,8 +10,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from ..camera.displaced_session_parts import displacements_by_part
 from ..camera.displacement_field import without_displacements
-from ..camera.keypoint_displacement import displacement_fields, displacements_by_part
+from ..camera.keypoint_displacement import displacement_fields
 from ..camera.keypoint_smoothing import keypoint_smoothing
 from ..camera.rigid_distances import rigid_distances
 from ..errors import InputError

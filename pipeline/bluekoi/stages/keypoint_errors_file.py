@@ -27,9 +27,7 @@ def displacements_of_trial(trial: Trial, layout: ResultPaths) -> dict[str, Displ
         return {}
     parts = read_keypoint_errors(layout)["displacements"]
     return {
-        name: DisplacementField(
-            one["x_m"], one["y_m"], one.get("growth", 0.0), *one.get("middle_m", (0.0, 0.0))
-        )
+        name: DisplacementField(one["x_m"], one["y_m"], one.get("parallax", 0.0))
         for part in parts
         if trial.trial_id in part["trials"]
         for name, one in part["keypoints"].items()

@@ -12,7 +12,7 @@ from ..data.unique_yaml import load_yaml_without_duplicates
 from ..errors import InputIssue, input_error, unreadable_reason
 from ..files import read_text
 from .setup import ImageSize, StudySettings
-from .validation_messages import findings_from_validation_error, shortened_repr
+from .validation_messages import issues_of_refused_values, shortened_repr
 
 MAX_YAML_BYTES = 250_000
 READ_ERRORS = (OSError, UnicodeDecodeError, yaml.YAMLError, ValueError, RecursionError)
@@ -26,7 +26,7 @@ def read_study_settings(path: Path, findings: list[InputIssue]) -> StudySettings
     try:
         return StudySettings.model_validate(content)
     except ValidationError as error:
-        findings.extend(findings_from_validation_error(str(path), error, StudySettings))
+        findings.extend(issues_of_refused_values(str(path), error, StudySettings))
     except RecursionError:
         findings.append(InputIssue(str(path), "", "values nested without end", "plain yaml"))
     return None

@@ -17,7 +17,7 @@ from .image_files import is_image_source, mark_folders
 from .types import KEYPOINT_SUFFIXES, VIDEO_SUFFIXES, Trial
 from .validation_messages import (
     DECIMAL_POINT_REMEDY,
-    findings_from_validation_error,
+    issues_of_refused_values,
     shortened_repr,
 )
 
@@ -206,7 +206,7 @@ def _parse_trial(
         trial = Trial.model_validate(cells)
     except ValidationError as error:
         place = f"row {number} ({cells.get('trial_id', '?')[:40]})"
-        findings.extend(findings_from_validation_error(path, error, Trial, prefix=place))
+        findings.extend(issues_of_refused_values(path, error, Trial, prefix=place))
         return None
     findings.extend(_path_findings(path, f"row {number} ({trial.trial_id})", trial))
     return trial

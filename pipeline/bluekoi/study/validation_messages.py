@@ -27,19 +27,19 @@ _SHORT_REPR.maxstring = _SHORT_REPR.maxother = 110
 _SHORT_REPR.maxlevel = 3
 
 
-def findings_from_validation_error(
+def issues_of_refused_values(
     path: str, error: ValidationError, model: type[BaseModel], *, prefix: str = ""
 ) -> list[InputIssue]:
-    """One finding for each thing that pydantic refused, in the order of the file."""
+    """One issue for each value that pydantic refused, in the order of the file."""
     items = [dict(item) for item in error.errors(include_url=False)]
-    return [finding for item in items for finding in _findings_from_item(path, model, item, prefix)]
+    return [issue for item in items for issue in _issues_from_item(path, model, item, prefix)]
 
 
-def _findings_from_item(
+def _issues_from_item(
     path: str, model: type[BaseModel], item: dict[str, Any], prefix: str
 ) -> list[InputIssue]:
     if item["type"] != INCONSISTENT_VALUES_ERROR_TYPE:
-        return [_finding_from_item(path, model, item, prefix)]
+        return [_issue_from_item(path, model, item, prefix)]
     section = ".".join(map(str, item["loc"]))
     return [
         InputIssue(
@@ -53,7 +53,7 @@ def _findings_from_item(
     ]
 
 
-def _finding_from_item(
+def _issue_from_item(
     path: str, model: type[BaseModel], item: dict[str, Any], prefix: str
 ) -> InputIssue:
     location = item["loc"]

@@ -18,7 +18,7 @@ from ..errors import INTERRUPTED_MESSAGE, escape_control_characters
 from ..files import read_json
 from ..stages.layout import ResultPaths
 from .preload import PreloadedProcess
-from .remaining_time import Timing, duration_text, usual_durations_s
+from .remaining_time import Timing, duration_text, durations_of_last_run_s
 
 HIDDEN_LOG_EVENTS = {
     LogEvent.WORKFLOW_STARTED,
@@ -119,7 +119,7 @@ class SnakemakeProgressHandler(logging.Handler):
         super().__init__(logging.INFO)
         self.report, self.stream = report, stream
         self.live = stream.isatty()
-        self.timing = Timing(usual_durations_s(report.parent))
+        self.timing = Timing(durations_of_last_run_s(report.parent))
         self.logs: dict[int, tuple[Path, float]] = {}
         self.last_s = 0.0
         self.stopped = False
@@ -160,7 +160,7 @@ class SnakemakeProgressHandler(logging.Handler):
             self._print(INTERRUPTED_MESSAGE)
 
     def _start(self, found: dict[str, Any]) -> None:
-        self.timing.start(found["jobid"], found["rule_name"], time.monotonic())
+        self.timing.job_started(found["jobid"], found["rule_name"], time.monotonic())
         if logs := found.get("log"):
             self.logs[found["jobid"]] = (Path(logs[0]), time.time())
         self._line(_job_name(found), now=not self.live and self.last_s == 0.0)
@@ -169,7 +169,7 @@ class SnakemakeProgressHandler(logging.Handler):
 
     def _finish(self, job: int) -> None:
         self.logs.pop(job, None)
-        if done := self.timing.finish(job, time.monotonic()):
+        if done := self.timing.job_finished(job, time.monotonic()):
             ended = self.timing.done == self.timing.total
             self._line(self.timing.running() or done, now=ended)
 

@@ -33,14 +33,14 @@ class Timing:
         """Take the number of jobs of each rule; rules without work of their own do not count."""
         self.waiting = {rule: n for rule, n in stats.items() if rule not in ("total", "all")}
 
-    def start(self, job: int, rule: str, now_s: float) -> None:
+    def job_started(self, job: int, rule: str, now_s: float) -> None:
         """Note that a job runs."""
         if rule in self.waiting and job not in self.started:
             self.began_s = now_s if math.isnan(self.began_s) else self.began_s
             self.started[job] = (rule, now_s)
             self.waiting[rule] -= 1
 
-    def finish(self, job: int, now_s: float) -> str:
+    def job_finished(self, job: int, now_s: float) -> str:
         """Name of the rule of a job that is done now."""
         rule, since = self.started.pop(job, ("", now_s))
         if rule:
@@ -98,7 +98,7 @@ class Timing:
         return sum(t for t, _ in both) / sum(u for _, u in both) if both else 1.0
 
 
-def usual_durations_s(results: Path) -> dict[str, float]:
+def durations_of_last_run_s(results: Path) -> dict[str, float]:
     """Seconds that a job of each rule took the last time in this results folder.
 
     From `benchmarks/` in the results; of rules with many jobs, of one of them.

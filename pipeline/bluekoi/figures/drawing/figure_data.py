@@ -55,10 +55,10 @@ def extract_points(figure: Figure) -> list[Point]:
     }
     every = [inner for axes in figure.axes for inner in (axes, *axes.child_axes)]
     panels = [a for a in every if isinstance(a, Axes) and a.get_label() != "<colorbar>"]
-    return [point for i, axes in enumerate(panels) for point in _panel_points(i, axes, names)]
+    return [point for i, axes in enumerate(panels) for point in _points_of_panel(i, axes, names)]
 
 
-def _panel_points(number: int, axes: Axes, names: dict[Any, str]) -> Iterator[Point]:
+def _points_of_panel(number: int, axes: Axes, names: dict[Any, str]) -> Iterator[Point]:
     x_label = _axis_label(axes, axes.get_shared_x_axes().get_siblings(axes), "get_xlabel")
     y_label = _axis_label(axes, axes.get_shared_y_axes().get_siblings(axes), "get_ylabel")
     head = (number, axes.get_title(), x_label, y_label, axes.get_aspect() == 1.0)

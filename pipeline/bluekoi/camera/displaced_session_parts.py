@@ -1,0 +1,88 @@
+"""Parts of a session in which keypoints are displaced in the pool in one way each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.special import chdtri
+
+from ..data import Float, Positions
+from ..study import Robot
+from .displacement_field import without_displacements
+from .keypoint_displacement import (
+    FALSE_ALARM_PROBABILITY,
+    KeypointDisplacement,
+    displacement_columns,
+    displacement_fields,
+    keypoint_displacements,
+    same_displacements,
+)
+from .length_regression import length_misfit, regress_lengths
+from .length_windows import window_means
+from .rigid_distances import rigid_distances
+
+MAX_CHANGES_TRIED = 40
+"""Limit of the computing time: places in the session at which a displacement may change, evenly
+spread."""
+
+
+def displacements_by_part(
+    trials: Sequence[Positions], head_lengths_m: Sequence[float], robot: Robot
+) -> list[tuple[range, dict[str, KeypointDisplacement]]]:
+    """Displaced keypoints of each part of the session (places in `trials`, in the order of filming)
+    in which there are any. There is one part, or two where a displacement begins, ends or changes,
+    as when a lamp is moved.
+
+    Raises: InputError where no rigid pair is ever seen.
+    """
+    common = keypoint_displacements(trials, head_lengths_m, robot)
+    corrected = [without_displacements(one, displacement_fields(common)) for one in trials]
+    parts = _parts_of_session(corrected, head_lengths_m, robot)
+    if len(parts) == 1:
+        return [(parts[0], common)] if common else []
+    each = [
+        keypoint_displacements([trials[k] for k in part], [head_lengths_m[k] for k in part], robot)
+        for part in parts
+    ]
+    windows = window_means(rigid_distances(trials, head_lengths_m, robot))
+    first, second = map(displacement_fields, each)
+    if common and same_displacements(first, second, windows):
+        return [(range(len(trials)), common)]
+    displaced = [(part, found) for part, found in zip(parts, each, strict=True) if found]
+    return displaced or ([(range(len(trials)), common)] if common else [])
+
+
+def _parts_of_session(
+    trials: Sequence[Positions], head_lengths_m: Sequence[float], robot: Robot
+) -> list[range]:
+    """Parts with one displacement each. The best of up to `MAX_CHANGES_TRIED` places of a change
+    counts if the misfit becomes smaller by more than chi-squared does by chance with
+    `FALSE_ALARM_PROBABILITY` at any of these places, with as many degrees of freedom as a second
+    part adds.
+
+    Raises: InputError where no rigid pair is ever seen.
+    """
+    whole, count = range(len(trials)), len(trials)
+    windows = window_means(rigid_distances(trials, head_lengths_m, robot))
+    names, columns, stds = displacement_columns(windows)
+    places = np.linspace(2, count - 2, min(max(count - 3, 0), MAX_CHANGES_TRIED))
+    if len(names) < 3 or not len(places):
+        return [whole]
+
+    def in_two_parts(first: int) -> Float:
+        before = (windows.trial < first)[:, None]
+        return np.column_stack([columns * before, columns * ~before])
+
+    _, _, variance = regress_lengths(windows, columns, stds)
+    twice = np.concatenate([stds, stds])
+    tried = {int(first): length_misfit(windows, in_two_parts(int(first)), twice, variance)
+             for first in places.round()}  # fmt: skip
+    change = min(tried, key=lambda first: tried[first])
+    _, _, variance = regress_lengths(windows, in_two_parts(change), twice)
+    gain = length_misfit(windows, columns, stds, variance) - length_misfit(
+        windows, in_two_parts(change), twice, variance
+    )
+    if gain < chdtri(columns.shape[1], FALSE_ALARM_PROBABILITY / len(tried)):
+        return [whole]
+    return [range(change), range(change, count)]

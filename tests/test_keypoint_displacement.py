@@ -10,7 +10,9 @@ import pytest
 
 from bluekoi.camera.displaced_session_parts import displacements_by_part
 from bluekoi.camera.displacement_field import DisplacementField, without_displacements
-from bluekoi.camera.keypoint_displacement import keypoint_displacements
+from bluekoi.camera.keypoint_displacement import keypoint_displacements, shows_displacements
+from bluekoi.camera.length_warnings import length_warnings
+from bluekoi.camera.rigid_distances import rigid_distances
 from bluekoi.data import Positions, read_pose
 from bluekoi.files import write_json
 from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial, write_keypoints_csv
@@ -243,6 +245,10 @@ def test_two_keypoints_are_no_evidence():
     pair = Positions(one.time_s, PARTS[1:3], one.xy_m[:, 1:3], one.cov_m2[:, 1:3],
                      one.likelihood[:, 1:3])  # fmt: skip
     assert found_in([pair]) == {}
+    assert not shows_displacements(rigid_distances([pair], [0.12], ROBOT))
+    assert shows_displacements(rigid_distances([one], [0.12], ROBOT))
+    (warning,) = length_warnings({"keypoint_displacements_visible": False}, None)
+    assert "Label head tip, hinge" in warning
 
 
 def test_tracks_of_a_study_are_corrected(tmp_path):
@@ -294,7 +300,8 @@ def test_the_verdict_states_a_parallax():
     text = "tail_base by 2.0 % of its distance from (1.30, 0.80) m, towards it"
     assert text in result["sentence"]
     (cause,) = result["causes"]
-    assert cause["parameters"].keys() == {"tail_base_x", "tail_base_y", "tail_base_parallax"}
+    assert cause["parameters"].keys() == {"tail_base_parallax"}
+    assert "(1.30, 0.80) m" in cause["parameters"]["tail_base_parallax"]["meaning"]
     assert "higher or lower than the others" in cause["sentence"]
     assert "Highlights" not in cause["sentence"]
     parts = [{"trials": [name], "keypoints": {"tail_base": tail}} for name in ("T1", "T2")]

@@ -12,6 +12,7 @@ from ..study import Robot
 from .displacement_field import without_displacements
 from .keypoint_displacement import (
     FALSE_ALARM_PROBABILITY,
+    MIN_KEYPOINTS,
     KeypointDisplacement,
     displacement_columns,
     displacement_fields,
@@ -67,7 +68,7 @@ def _parts_of_session(
     windows = window_means(rigid_distances(trials, head_lengths_m, robot))
     names, columns, stds = displacement_columns(windows)
     places = np.linspace(2, count - 2, min(max(count - 3, 0), MAX_CHANGES_TRIED))
-    if len(names) < 3 or not len(places):
+    if len(names) < MIN_KEYPOINTS or not len(places):
         return [whole]
 
     def in_two_parts(first: int) -> Float:

@@ -56,6 +56,8 @@ MIN_DISPLACEMENT_SHARE = 0.006
 """Smallest displacement that is corrected, over the length of the rigid parts from nose to tail:
 2 mm for the published robot, whose keypoints are labelled to 1 mm in careful work. That by g is
 taken at the root mean square distance from p_0."""
+MIN_KEYPOINTS = 3
+"""Of two keypoints it is not known which one is displaced."""
 PARALLAX_STD = 0.02
 """Prior standard deviation of g: a keypoint 3 cm above the others, seen from 1.5 m. The lengths of
 those fifteen studies determine g to 3e-4 or better, so that the prior does not matter."""
@@ -134,6 +136,11 @@ def same_displacements(
     )
 
 
+def shows_displacements(distances: RigidDistances) -> bool:
+    """Whether lengths connect enough keypoints to show which of them are displaced."""
+    return len(displacement_columns(distances)[0]) >= MIN_KEYPOINTS
+
+
 def smallest_displacement_m(windows: RigidDistances) -> float:
     """Smallest displacement that is corrected."""
     return MIN_DISPLACEMENT_SHARE * length_of_rigid_parts_m(windows)
@@ -146,7 +153,7 @@ def _displaced(
     lengths show in addition.
     """
     names, columns, stds = displacement_columns(windows)
-    if len(names) < 3:
+    if len(names) < MIN_KEYPOINTS:
         return {}
     estimate, cov, _ = regress_lengths(windows, columns, stds)
     mean_position = centers_of_lengths_m(windows).mean(axis=0)

@@ -43,6 +43,7 @@ def length_warnings(
     named = {c["name"] for c in causes if c.get("weight", 1.0) >= MIN_CAUSE_PROBABILITY}
     return [
         *_unseen_tail_end_warnings(geometry or {}, failed),
+        *_invisible_displacement_warnings(geometry or {}),
         *_smoothing_warnings(geometry or {}),
         *_invisible_smoothing_warnings(geometry or {}, named),
         *_scale_warnings(geometry or {}, named),
@@ -68,6 +69,16 @@ def _unseen_tail_end_warnings(
             f"Trial {name}: no frame shows the end of the robot's tail near the position that "
             "study.yaml gives, while most other recordings do. Was its picture zoomed, cropped or "
             "taken by another camera, or is head_length_m not this trial's?"
+        )
+
+
+def _invisible_displacement_warnings(geometry: Mapping[str, Any]) -> Iterator[str]:
+    if not geometry.get("keypoint_displacements_visible", True):
+        yield (
+            "Fewer than three keypoints are connected by rigid lengths: it is not checked whether "
+            "a keypoint is displaced from its place on the robot, for instance by a highlight, and "
+            "a displaced keypoint changes the verdict. Label head tip, hinge, core centre and tail "
+            "base."
         )
 
 

@@ -51,7 +51,8 @@ def with_keypoint_bias_cause(
         regime="; ".join(regimes),
         sigmas=max(one["sigmas"] for _, keypoints in parts for one in keypoints.values()),
         sentence=f"The rigid lengths of the robot show that {summary}. {_possible_reasons(parts)} "
-        "The displacement was subtracted before the search.",
+        "Lengths show displacements relative to the other keypoints only. These were subtracted "
+        "before the search.",
     )
     sentence = (f"Measurement error: keypoint_bias, {summary}. With corrected keypoints: "
                 f"{content['sentence']}")  # fmt: skip
@@ -73,30 +74,36 @@ def _displacement_text(keypoint: str, found: Mapping[str, float]) -> str:
     x, y, parallax = found["x_m"], found["y_m"], found["parallax"]
     if parallax:
         way = "away from it" if parallax > 0 else "towards it"
-        center = f"({-x / parallax:.2f}, {-y / parallax:.2f}) m"  # where the displacement is 0
-        return f"{keypoint} by {100 * abs(parallax):.1f} % of its distance from {center}, {way}"
+        share = f"{100 * abs(parallax):.1f} % of its distance"
+        return f"{keypoint} by {share} from {_fixed_point_text(found)}, {way}"
     toward = np.degrees(np.arctan2(y, x))
     return f"{keypoint} by {1000 * np.hypot(x, y):.1f} mm, {toward:.0f} degrees from the x axis"
+
+
+def _fixed_point_text(found: Mapping[str, float]) -> str:
+    """The position without displacement, of a keypoint with a parallax."""
+    return f"({-found['x_m'] / found['parallax']:.2f}, {-found['y_m'] / found['parallax']:.2f}) m"
 
 
 def _parameters_of_keypoint(
     keypoint: str, found: Mapping[str, float], suffix: str
 ) -> dict[str, dict[str, Any]]:
-    at_origin = ", at the origin" if found["parallax"] else ""
-    parameters: dict[str, dict[str, Any]] = {
+    if found["parallax"]:
+        return {
+            f"{keypoint}_parallax{suffix}": {
+                "value": found["parallax"],
+                "std": found["parallax_std"],
+                "unit": "m/m",
+                "meaning": f"displacement of {keypoint} away from {_fixed_point_text(found)}, over "
+                "the distance from there",
+            }
+        }
+    return {
         f"{keypoint}_{axis}{suffix}": {
             "value": found[f"{axis}_m"],
             "std": found[f"{axis}_std_m"],
             "unit": "m",
-            "meaning": f"displacement of {keypoint} along {axis} of the pool{at_origin}",
+            "meaning": f"displacement of {keypoint} along {axis} of the pool",
         }
         for axis in ("x", "y")
     }
-    if found["parallax"]:
-        parameters[f"{keypoint}_parallax{suffix}"] = {
-            "value": found["parallax"],
-            "std": found["parallax_std"],
-            "unit": "m/m",
-            "meaning": f"growth of the displacement of {keypoint} with the position",
-        }
-    return parameters

@@ -84,6 +84,7 @@ def geometry(study: Path, results: Path) -> None:
         "depth_m": setup.robot.keypoint_depth_m,
         "depth_given": setup.robot.depth_given,
         "keypoint_displacements": errors["displacements"],
+        "keypoint_displacements_visible": errors.get("displacements_visible", True),
         "keypoint_smoothing": errors["smoothing"],
         "least_visible_smoothing_s": errors["least_visible_smoothing_s"],
     }
@@ -108,8 +109,11 @@ def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: ResultPaths
         read = np.array([trial.reads_keypoints for trial in trials])[distances.trial.astype(int)]
         distances = without_smoothing(distances, read * errors["smoothing"]["variance_s2"])
     check = check_rigid_distances(CameraGeometry(camera, depth), distances)
+    found = _geometry_check_json(check, trials)
+    if errors["displacements"]:
+        found["sentence"] = f"displaced keypoints corrected; {found['sentence']}"
     return {
-        **_geometry_check_json(check, trials),
+        **found,
         "measured": "rigid parts",
         "depth_m": depth,
         "depth_estimate_m": estimate if std else None,

@@ -12,7 +12,7 @@ from typing import Any
 
 from ..camera.displaced_session_parts import displacements_by_part
 from ..camera.displacement_field import without_displacements
-from ..camera.keypoint_displacement import displacement_fields
+from ..camera.keypoint_displacement import displacement_fields, shows_displacements
 from ..camera.keypoint_smoothing import keypoint_smoothing
 from ..camera.rigid_distances import rigid_distances
 from ..errors import InputError
@@ -29,8 +29,9 @@ from .mapped_keypoints import (
 
 def keypoint_errors(study: Path, results: Path) -> None:
     """Write status/stages/keypoint_errors.json, of the trials whose keypoints are read from files:
-    `displacements` by part of the session and keypoint, `smoothing`, and the duration of the
-    shortest smoothing that would be seen. Silhouettes and dots are found by BlueKoi itself.
+    `displacements` by part of the session and keypoint, whether there are enough lengths to show
+    them, `smoothing`, and the duration of the shortest smoothing that would be seen. Silhouettes
+    and dots are found by BlueKoi itself.
     """
     loaded, layout = load_study(study), ResultPaths(results)
     read = [trial for name in trials_with_measured_lengths(loaded, layout)
@@ -50,8 +51,10 @@ def _errors_of_trials(study: Study, trials: list[Trial], layout: ResultPaths) ->
     for part, found in displaced:
         for k in part:
             placed[k] = without_displacements(mapped[k], displacement_fields(found))
-    smoothing = keypoint_smoothing(rigid_distances(placed, lengths, robot))
+    distances = rigid_distances(placed, lengths, robot)
+    smoothing = keypoint_smoothing(distances)
     return {
+        "displacements_visible": shows_displacements(distances),
         "displacements": [
             {
                 "trials": [trials[k].trial_id for k in part],

@@ -10,8 +10,12 @@ from ..files import read_json_if_present
 from ..study import Trial
 from .layout import ResultPaths
 
-NO_ERRORS: Mapping[str, Any] = {"displacements": [], "smoothing": None,
-                                "least_visible_smoothing_s": None}  # fmt: skip
+NO_ERRORS: Mapping[str, Any] = {
+    "displacements": [],
+    "displacements_visible": True,
+    "smoothing": None,
+    "least_visible_smoothing_s": None,
+}
 
 
 def read_keypoint_errors(layout: ResultPaths) -> Mapping[str, Any]:

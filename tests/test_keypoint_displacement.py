@@ -66,12 +66,12 @@ def displaced_by(
     return replace(one, xy_m=one.xy_m + moved * (vector + parallax * (one.xy_m - CAMERA_M)))
 
 
-def circles_all_over_the_pool(trials: int, seed: int) -> list[Positions]:
+def circles_all_over_the_pool(trials: int, seed: int, std_m: float = 0.001) -> list[Positions]:
     places = np.random.default_rng(seed).uniform(-0.8, 0.8, (trials, 2))
     heads = np.resize(HEAD_ANGLES_RAD, trials)
     return [replace(one, xy_m=one.xy_m + place)
             for k, (angle, place) in enumerate(zip(heads, places, strict=True))
-            for one in [circle_with_noise(angle, 1000 * seed + k)]]  # fmt: skip
+            for one in [circle_with_noise(angle, 1000 * seed + k, std_m)]]  # fmt: skip
 
 
 def vectors_m(found: dict) -> dict[str, tuple[float, float]]:
@@ -149,6 +149,16 @@ def test_a_keypoint_above_or_below_the_others_is_found_by_its_parallax(part, par
     assert found[part].parallax == pytest.approx(parallax, abs=0.002)
     center = -np.array([found[part].x_m, found[part].y_m]) / found[part].parallax
     assert center == pytest.approx(CAMERA_M, abs=0.05)
+
+
+@pytest.mark.parametrize("std_m", [0.0001, 0.001])
+def test_a_head_above_the_body_has_one_parallax_for_both_keypoints(std_m):
+    """Two keypoints against two: which pair is displaced is not known, and must not alternate."""
+    trials = circles_all_over_the_pool(12, 1, std_m)
+    moved = [displaced_by(one, (0.0, 0.0), "head_tip", "hinge", parallax=0.03) for one in trials]
+    found = found_in(moved)
+    assert list(found) == ["head_tip", "hinge"]
+    assert [one.parallax for one in found.values()] == pytest.approx([0.03] * 2, abs=0.002)
 
 
 def test_vector_and_parallax_of_one_keypoint_are_found_together():

@@ -194,7 +194,8 @@ def _displacement(
 
 def _undisplaced(vectors: Float, cov: Float) -> tuple[int, ...]:
     """The largest group of keypoints whose vectors agree; of several of this size, that whose
-    vectors agree best. Two keypoints are the least.
+    vectors agree best. Two keypoints are the least. Of several pairs that agree, it is that nearest
+    to the tail: repeated estimates that change from pair to pair would not converge.
     """
     keypoints = range(len(vectors))
     for size in range(len(vectors), 2, -1):
@@ -203,8 +204,9 @@ def _undisplaced(vectors: Float, cov: Float) -> tuple[int, ...]:
         best = min(misfits, key=lambda group: misfits[group])
         if misfits[best] < chdtri(3 * (size - 1), FALSE_ALARM_PROBABILITY):
             return best
-    pairs = list(combinations(keypoints, 2))
-    return min(pairs, key=lambda group: _difference_misfit(vectors, cov, group))
+    misfits = {pair: _difference_misfit(vectors, cov, pair) for pair in combinations(keypoints, 2)}
+    agreeing = [pair for pair in misfits if misfits[pair] < chdtri(3, FALSE_ALARM_PROBABILITY)]
+    return agreeing[-1] if agreeing else min(misfits, key=lambda pair: misfits[pair])
 
 
 def _difference_misfit(vectors: Float, cov: Float, group: Sequence[int]) -> float:

@@ -29,13 +29,15 @@ class DisplacementField(NamedTuple):
         return np.asarray([self.x_m, self.y_m] + self.parallax * positions_m)
 
 
+NO_DISPLACEMENT = DisplacementField(0.0, 0.0)
+
+
 def without_displacements(
     positions: Positions, displacements: Mapping[str, DisplacementField]
 ) -> Positions:
     """Positions with p = (p' - a) / (1 + g) in place of the p' of displaced keypoints."""
     if not displacements:
         return positions
-    none = DisplacementField(0.0, 0.0)
-    fields = np.array([displacements.get(name, none) for name in positions.names])
+    fields = np.array([displacements.get(name, NO_DISPLACEMENT) for name in positions.names])
     a, g = fields[:, :2], fields[:, 2:]
     return replace(positions, xy_m=(positions.xy_m - a) / (1.0 + g))

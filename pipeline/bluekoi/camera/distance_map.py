@@ -35,13 +35,11 @@ def distance_map(camera: PoolCamera, distances: RigidDistances, predicted: Float
     length, width = camera.pool_size_m
     x_edges = np.linspace(0, length, DISTANCE_MAP_CELLS[0] + 1)
     y_edges = np.linspace(0, width, DISTANCE_MAP_CELLS[1] + 1)
-    middle = (distances.front_m + distances.back_m) / 2
+    x, y = distances.centers_m.T
     weight = (distances.known_m / distances.std_m) ** 2
 
     def sum_by_cell(values: Float) -> Float:
-        grid = np.histogram2d(middle[:, 0], middle[:, 1], bins=[x_edges, y_edges], weights=values)[
-            0
-        ]
+        grid, _, _ = np.histogram2d(x, y, bins=[x_edges, y_edges], weights=values)
         return np.asarray(grid.T, dtype=np.float64)
 
     total = sum_by_cell(weight)

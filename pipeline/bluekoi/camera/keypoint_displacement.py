@@ -33,11 +33,14 @@ from scipy.special import chdtri
 
 from ..data import Float, Positions
 from ..study import Robot
-from .displacement_field import DisplacementField, without_displacements
+from .displacement_field import (
+    NO_DISPLACEMENT,
+    DisplacementField,
+    without_displacements,
+)
 from .length_regression import (
     DISPLACEMENT_STD_SHARE,
     by_keypoint,
-    centers_of_lengths_m,
     directions_of_lengths,
     length_of_rigid_parts_m,
     regress_lengths,
@@ -130,7 +133,7 @@ def same_displacements(
     """Whether the same keypoints are displaced, at the places of the lengths by vectors whose root
     mean square difference is below the smallest displacement that is corrected.
     """
-    places, least_m = centers_of_lengths_m(windows), smallest_displacement_m(windows)
+    places, least_m = windows.centers_m, smallest_displacement_m(windows)
     return one.keys() == other.keys() and all(
         _rms_m(one[name].at(places) - other[name].at(places)) < least_m for name in one
     )
@@ -156,8 +159,8 @@ def _displaced(
     if len(names) < MIN_KEYPOINTS:
         return {}
     estimate, cov, _ = regress_lengths(windows, columns, stds)
-    mean_position = centers_of_lengths_m(windows).mean(axis=0)
-    known = [corrected.get(name, DisplacementField(0.0, 0.0)) for name in names]
+    mean_position = windows.centers_m.mean(axis=0)
+    known = [corrected.get(name, NO_DISPLACEMENT) for name in names]
     before = [[*field.at(mean_position), field.parallax] for field in known]
     vectors = estimate.reshape(-1, 3) + before
     reference = _undisplaced(vectors, cov)
@@ -175,7 +178,7 @@ def _displacement(
     """Displacement from c and g (3,) and their covariance (3, 3); None where neither counts. g is 0
     where it does not count.
     """
-    places, least_m = centers_of_lengths_m(windows), smallest_displacement_m(windows)
+    places, least_m = windows.centers_m, smallest_displacement_m(windows)
     mean_position = places.mean(axis=0)
     constant, parallax = _sigmas(vector[:2], cov[:2, :2]), _sigmas(vector[2:], cov[2:, 2:])
     is_displaced = constant > MIN_SIGMAS and np.hypot(*vector[:2]) > least_m
@@ -238,7 +241,7 @@ def displacement_columns(windows: RigidDistances) -> tuple[tuple[str, ...], Floa
     them by 1 m along x, along y, and by a parallax of 1 about the mean position; and prior standard
     deviations (3 k,).
     """
-    u, mean_position = directions_of_lengths(windows), centers_of_lengths_m(windows).mean(axis=0)
+    u, mean_position = directions_of_lengths(windows), windows.centers_m.mean(axis=0)
     front, back = (np.column_stack([u, np.sum(u * (end - mean_position), axis=1)])
                    for end in (windows.front_m, windows.back_m))  # fmt: skip
     patterns = {name: p for name, p in by_keypoint(windows, front, back).items() if p.any()}

@@ -72,11 +72,6 @@ def length_of_rigid_parts_m(windows: RigidDistances) -> float:
     return float(sum(np.median(windows.known_m[pair == k]) for k in np.unique(pair)))
 
 
-def centers_of_lengths_m(windows: RigidDistances) -> Float:
-    """Position (n, 2) of the centre of each length."""
-    return np.asarray(0.5 * (windows.front_m + windows.back_m))
-
-
 def directions_of_lengths(windows: RigidDistances) -> Float:
     """Unit vectors (n, 2) from back to front."""
     along = windows.front_m - windows.back_m
@@ -107,7 +102,7 @@ def _other_patterns(windows: RigidDistances) -> tuple[Float, Float]:
     """Z (n, z) of the other changes of lengths, and their prior standard deviations (z,)."""
     u, pair = directions_of_lengths(windows), windows.pair.round()
     body_m = length_of_rigid_parts_m(windows)
-    centers = centers_of_lengths_m(windows)
+    centers = windows.centers_m
     on_body = [*length_excess_by_keypoint_shift(windows).values(),
                np.where(pair == 0, np.sin(windows.bend_rad), 0.0)]  # fmt: skip
     away = centers - centers.mean(axis=0)

@@ -43,6 +43,11 @@ class RigidDistances:
     bend_rad: Float
     time_s: Float
 
+    @property
+    def centers_m(self) -> Float:
+        """Centre (n, 2) of each distance in the pool frame."""
+        return np.asarray(0.5 * (self.front_m + self.back_m))
+
     def select(self, kept: BoolNDArray) -> RigidDistances:
         """The entries that are kept, (n,)."""
         return RigidDistances(**{f.name: getattr(self, f.name)[kept] for f in fields(self)})

@@ -29,8 +29,8 @@ MAX_NOISE_ROUNDS, NOISE_STEPS = 6, 20
 quasi-Newton steps of each. `python -m validation noise-starts` measures what twice of both gains.
 """
 MIN_LOG_LIKELIHOOD_GAIN_PER_ROUND = 0.3
-"""A round that gains less is the last one: log odds of 0.3 change a probability p by p (1 - p) 0.3,
-0.075 at most."""
+"""A round that gains less is the last one. The derivative of a probability p by its log odds is
+p (1 - p), 1/4 at most: 0.3 in the log odds changes a stated probability by less than 0.075."""
 
 
 def fit_own_noise(

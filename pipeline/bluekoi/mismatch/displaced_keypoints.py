@@ -51,8 +51,8 @@ def with_keypoint_bias_cause(
         regime="; ".join(regimes),
         sigmas=max(one["sigmas"] for _, keypoints in parts for one in keypoints.values()),
         sentence=f"The rigid lengths of the robot show that {summary}. {_possible_reasons(parts)} "
-        "Lengths show displacements relative to the other keypoints only. These were subtracted "
-        "before the search.",
+        "Lengths show only how keypoints are displaced relative to each other. The displacements "
+        "were subtracted before the search.",
     )
     sentence = (f"Measurement error: keypoint_bias, {summary}. With corrected keypoints: "
                 f"{content['sentence']}")  # fmt: skip

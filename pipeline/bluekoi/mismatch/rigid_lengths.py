@@ -131,15 +131,15 @@ class _LengthExcess:
         """Excess (n,) of the lengths, m, by an effect: difference of the ends' displacements along
         the length.
 
-        The ends lie at the known length about the middle: those seen contain the errors that are to
+        The ends lie at the known length about the centre: those seen contain the errors that are to
         be explained.
         """
         w = self.windows
         along = w.front_m - w.back_m
         along = along / np.linalg.norm(along, axis=1)[:, None]
-        middle, half = 0.5 * (w.front_m + w.back_m), 0.5 * w.known_m[:, None] * along
+        half = 0.5 * w.known_m[:, None] * along
         front, back = (_observed_displacement_m(effect, end, w.time_s, self.constants, values)
-                       for end in (middle + half, middle - half))  # fmt: skip
+                       for end in (w.centers_m + half, w.centers_m - half))  # fmt: skip
         return np.asarray(np.sum((front - back) * along, axis=1))
 
     def patterns(self) -> Float:
@@ -214,9 +214,9 @@ def _nuisance_patterns(
                if column.any()]  # fmt: skip
     groups += [("trial", np.where(windows.trial == t, known, 0.0), 1.0)
                for t in np.unique(windows.trial)]  # fmt: skip
-    middle = 0.5 * (windows.front_m + windows.back_m)
-    reach = np.maximum(np.ptp(middle, axis=0), known.max())
-    x, y = ((middle - middle.mean(axis=0)) / reach).T * 2.0
+    centers = windows.centers_m
+    reach = np.maximum(np.ptp(centers, axis=0), known.max())
+    x, y = ((centers - centers.mean(axis=0)) / reach).T * 2.0
     trend = 2.0 * camera.constants["session_place"] - 1.0
     groups += [("smooth", known * term, systematic)
                for term in (1.0, x, y, x * x, x * y, y * y, trend)]  # fmt: skip

@@ -84,7 +84,7 @@ def geometry(study: Path, results: Path) -> None:
         "depth_m": setup.robot.keypoint_depth_m,
         "depth_given": setup.robot.depth_given,
         "keypoint_displacements": errors["displacements"],
-        "keypoint_displacements_visible": errors.get("displacements_visible", True),
+        "keypoint_displacements_visible": errors["displacements_visible"],
         "keypoint_smoothing": errors["smoothing"],
         "least_visible_smoothing_s": errors["least_visible_smoothing_s"],
     }

@@ -9,8 +9,8 @@
 
 from pathlib import Path
 
-from bluekoi.workflow.run_start import begin_run, shell_prefix, without_rate_limit
-from bluekoi.workflow.preload import start_preloaded_process
+from bluekoi.workflow.run_start import begin_run, shell_prefix, remove_job_rate_limit
+from bluekoi.workflow.preload import start_fork_server
 from bluekoi.workflow.progress import attach_progress
 
 
@@ -57,17 +57,17 @@ if plan.is_demo:
 
 
 rule keypoints:
-    input: plan.demo_files,
+    input: plan.demo_recording_files,
     output: R / "status/batches/keypoints-{batch}",
     conda: ENV
     log: LOGS / "keypoints/{batch}.log"
-    params: at=AT, code=plan.code_fingerprint("keypoints"), trials=plan.batch_options("keypoints"),
+    params: at=AT, code=plan.code_fingerprint("keypoints"), trials=plan.batch_trial_options("keypoints"),
     resources: mem_mb=900, runtime=60,
     shell: "python3 -P -m bluekoi stage keypoints {params.at} --code {params.code} {params.trials} --threads {threads} --done {output:q} &> {log:q}"
 
 
 rule keypoint_errors:
-    input: plan.markers("keypoints"),
+    input: plan.batch_marker_files("keypoints"),
     output: R / "status/stages/keypoint_errors.json",
     conda: ENV
     log: LOGS / "keypoint_errors.log"
@@ -77,7 +77,7 @@ rule keypoint_errors:
 
 
 rule geometry:
-    input: plan.markers("keypoints"), plan.keypoint_errors_file(),
+    input: plan.batch_marker_files("keypoints"), plan.keypoint_errors_file(),
     output: R / "geometry.json",
     conda: ENV
     log: LOGS / "geometry.log"
@@ -87,21 +87,21 @@ rule geometry:
 
 
 rule tracks:
-    input: plan.keypoints_marker, plan.keypoint_errors_file(), plan.depth_file(),
+    input: plan.keypoints_marker_file, plan.keypoint_errors_file(), plan.keypoint_depth_file(),
     output: R / "status/batches/tracks-{batch}",
     conda: ENV
     log: LOGS / "tracks/{batch}.log"
-    params: at=AT, code=plan.code_fingerprint("tracks"), trials=plan.batch_options("tracks"),
+    params: at=AT, code=plan.code_fingerprint("tracks"), trials=plan.batch_trial_options("tracks"),
     resources: mem_mb=600, runtime=20,
     shell: "python3 -P -m bluekoi stage tracks {params.at} --code {params.code} {params.trials} --done {output:q} &> {log:q}"
 
 
 rule steady:
-    input: plan.markers("tracks"),
+    input: plan.batch_marker_files("tracks"),
     output: report(R / "steady.csv", "config/captions/steady.rst", "Tables"),
     conda: ENV
     log: LOGS / "steady.log"
-    params: at=AT, code=plan.code_fingerprint("steady"), trials=plan.trials,
+    params: at=AT, code=plan.code_fingerprint("steady"), trials=plan.all_trial_ids,
     resources: mem_mb=400, runtime=5,
     shell: "python3 -P -m bluekoi stage steady {params.at} &> {log:q}"
 
@@ -132,7 +132,7 @@ rule mismatch:
 
 
 rule figure:
-    input: rules.tuning.output, rules.mismatch.output, plan.figure_inputs,
+    input: rules.tuning.output, rules.mismatch.output, plan.extra_figure_inputs,
     output:
         report(R / "figures/{figure}.png", "config/captions/figure.rst", "Figures"),
         R / "figures/{figure}.pdf",
@@ -145,17 +145,17 @@ rule figure:
 
 
 rule overlay:
-    input: plan.tracks_marker, rules.tuning.output, rules.mismatch.output, plan.demo_files,
+    input: plan.tracks_marker_file, rules.tuning.output, rules.mismatch.output, plan.demo_recording_files,
     output: R / "status/batches/overlay-{batch}",
     conda: ENV
     log: LOGS / "overlay/{batch}.log"
-    params: at=AT, code=plan.code_fingerprint("overlay"), trials=plan.batch_options("overlay"),
+    params: at=AT, code=plan.code_fingerprint("overlay"), trials=plan.batch_trial_options("overlay"),
     resources: mem_mb=800, runtime=20,
     shell: "python3 -P -m bluekoi stage overlay {params.at} --code {params.code} {params.trials} --threads {threads} --done {output:q} &> {log:q}"
 
 
 rule report:
-    input: rules.tuning.output, rules.mismatch.output, plan.figures(), plan.markers("overlay"),
+    input: rules.tuning.output, rules.mismatch.output, plan.figure_png_files(), plan.batch_marker_files("overlay"),
     output: report(R / "report.html", "config/captions/page.rst", "The page"),
     conda: ENV
     log: LOGS / "report.log"
@@ -174,13 +174,13 @@ rule outcome:
 
 
 onstart:
-    without_rate_limit(workflow)
-    progress.preloaded = start_preloaded_process(workflow, plan)
+    remove_job_rate_limit(workflow)
+    progress.preloaded = start_fork_server(workflow, plan)
 
 
 onsuccess:
-    progress.farewell()
+    progress.print_final_summary()
 
 
 onerror:
-    progress.farewell()
+    progress.print_final_summary()

@@ -29,9 +29,9 @@ import numpy as np
 from bluekoi.footage import frames, open_recording
 from bluekoi.keypoints import silhouette
 from bluekoi.study import Study, Trial, load_study
-from bluekoi.synthetic.campaign import render_study
-from bluekoi.synthetic.design import picture_conditions_design
 from bluekoi.synthetic.picture_conditions import MIDDLE_PICTURE_CONDITIONS
+from bluekoi.synthetic.study_rendering import render_study
+from bluekoi.synthetic.synthetic_study_design import picture_conditions_design
 
 MIN_SPEED_RATIO = 0.93
 MAX_MEMORY_MB = 600

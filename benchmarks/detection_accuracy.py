@@ -28,11 +28,11 @@ import numpy as np
 
 from bluekoi.data import BODY_PART_NAMES, Keypoints
 from bluekoi.footage import frames, open_recording
-from bluekoi.keypoints import source_module
+from bluekoi.keypoints import keypoint_source_module
 from bluekoi.study import Study, Trial, load_study
-from bluekoi.synthetic.campaign import render_study
-from bluekoi.synthetic.design import picture_conditions_design
 from bluekoi.synthetic.picture_conditions import PICTURE_CONDITIONS_BY_NAME
+from bluekoi.synthetic.study_rendering import render_study
+from bluekoi.synthetic.synthetic_study_design import picture_conditions_design
 
 MAX_MEDIAN_PX = 0.3
 PULL_RANGE = (0.9, 1.1)
@@ -154,7 +154,7 @@ def truth_folder_of(study: Path) -> Path:
 
 def detect_trial(study: Study, trial: Trial, name: str) -> Keypoints:
     """Keypoints of a trial's footage by a source."""
-    detector = source_module(name)
+    detector = keypoint_source_module(name)
     recording = open_recording(study.paths(trial))
     film = partial(frames, recording, colour=getattr(detector, "NEEDS_COLOUR", False))
     setup = study.setup

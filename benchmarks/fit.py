@@ -138,7 +138,7 @@ def compare_on_nine_trials(seconds: float, *, slow: bool) -> None:
     os.environ["BLUEKOI_THREADS"] = "1"
     rng = np.random.default_rng(1)
     series = [simulated_trial(i, rng) for i in range(9)]
-    kernel, base = compile_system(two_plate_system()), two_plate_system().values({})
+    kernel, base = compile_system(two_plate_system()), two_plate_system().parameter_vector({})
     free = [FreeParameter(n) for n in NAMES]
     known = [replace(s, cov=s.cov * 1e-12) for s in series]
     ways: dict[str, Callable[[], np.ndarray]] = {
@@ -181,7 +181,7 @@ def time_many_trials(seconds: float) -> None:
     """Print times of the joint fit by prediction errors on two cores, 66 to 1,000 trials."""
     os.environ["BLUEKOI_THREADS"] = "2"
     rng = np.random.default_rng(2)
-    kernel, base = compile_system(two_plate_system()), two_plate_system().values({})
+    kernel, base = compile_system(two_plate_system()), two_plate_system().parameter_vector({})
     free = [FreeParameter(n) for n in NAMES]
     print("\njoint fits with starting states, 150 frames a trial, two cores")
     for count in (66, 132, 264, 528, 1000):

@@ -32,7 +32,12 @@ from test_model import published_rates
 
 from bluekoi.integrate import LANES, System, compile_system
 from bluekoi.integrate.batch import simulate_batch
-from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, constants_of_robot_trial, two_plate_system
+from bluekoi.model import (
+    PUBLISHED_FLAP_HZ,
+    TABLE_1,
+    constants_of_robot_trial,
+    two_plate_system,
+)
 from paper_robot import PAPER_SETUP
 
 HERE = Path(__file__).resolve().parent
@@ -57,7 +62,10 @@ Run = Callable[[float], np.ndarray]
 
 def kernel_run(system: System, blocks: int = BLOCK_COUNT, **effects: dict[str, float]) -> Run:
     """All blocks in one call, from this system's kernel."""
-    values = np.tile(system.values(TABLE_1[POWER], effects)[None, :, None], (blocks, 1, LANES))
+    values = np.tile(
+        system.parameter_vector(TABLE_1[POWER], effects)[None, :, None],
+        (blocks, 1, LANES),
+    )
     fixed = np.tile(constants_of_robot_trial(PAPER_SETUP, 0.12)[None, :, None], (blocks, 1, LANES))
     state = np.zeros((blocks, len(system.all_states), LANES))
     times = np.tile(np.arange(FRAMES) / RATE, (blocks, 1))

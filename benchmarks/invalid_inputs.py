@@ -32,7 +32,7 @@ from click.testing import CliRunner
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from bluekoi.camera.length_warnings import length_warnings
+from bluekoi.camera.rigid_length_warnings import rigid_length_warnings
 from bluekoi.cli import main as bluekoi
 from bluekoi.errors import InputError
 from bluekoi.motor.swimming_plausibility import clock_and_length_warnings
@@ -410,7 +410,7 @@ def search_outcome(study: Path, results: Path, right: Path) -> tuple[str, str]:
            if c["std"] is not None and abs(c["value"] - cells[1][name]["value"])
            > 3 * np.hypot(c["std"], cells[1][name]["std"] or 0.0)]  # fmt: skip
     content = json.loads((results / "geometry.json").read_text())
-    if warned := length_warnings(content, found):
+    if warned := rigid_length_warnings(content, found):
         return "warned", warned[0]
     if found["verdict"] == "none" and not off and speeds_agree(results, right):
         return "harmless", found["sentence"]

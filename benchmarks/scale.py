@@ -25,9 +25,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))  # validation/
 
-from bluekoi.synthetic.campaign import render_trial, write_study_files  # noqa: E402
-from bluekoi.synthetic.design import picture_conditions_design  # noqa: E402
 from bluekoi.synthetic.picture_conditions import PictureConditions  # noqa: E402
+from bluekoi.synthetic.study_rendering import render_trial, write_study_files  # noqa: E402
+from bluekoi.synthetic.synthetic_study_design import picture_conditions_design  # noqa: E402
 from validation.generators.concealed.studies import generate  # noqa: E402
 
 CLOCK_TICKS_PER_S = os.sysconf("SC_CLK_TCK")

@@ -81,9 +81,9 @@ def _entry(name: str, module: ModuleType) -> Iterator[str]:
     yield "|---|---|---|---|---|---|---|"
     for one in module.EFFECT_PARAMETERS:
         span = f"{one.start:g} | {one.lower:g} | {one.upper:g}"
-        yield f"| `{one.name}` | {one.argument} | {one.unit} | {span} | {one.meaning} |"
+        yield f"| `{one.name}` | {one.argument_name} | {one.unit} | {span} | {one.meaning} |"
     if forms := getattr(module, "FUNCTIONAL_FORMS", {}):
-        symbols = {one.name: one.argument for one in module.EFFECT_PARAMETERS}
+        symbols = {one.name: one.argument_name for one in module.EFFECT_PARAMETERS}
         yield f"\nForms: {'; '.join(_form(n, values, symbols) for n, values in forms.items())}."
     yield ""
 

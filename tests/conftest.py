@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from bluekoi.mismatch import MismatchResult, find_mismatch
-from bluekoi.synthetic.design import demo_design
+from bluekoi.synthetic.synthetic_study_design import demo_design
 from measured_studies import MeasuredStudy, measure_design
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -20,8 +20,8 @@ from bluekoi.smoothing import smooth_pose
 from bluekoi.stages.clock_measurement import with_clock_measurement
 from bluekoi.steady import steady_state
 from bluekoi.study import Study, load_study
-from bluekoi.synthetic.design import StudyDesign
-from bluekoi.tuning import JointFit, session_places, trial_series
+from bluekoi.synthetic.synthetic_study_design import StudyDesign
+from bluekoi.tuning import JointFit, session_order_fractions, trial_series
 from validation.tracking_noise import keypoint_study
 
 
@@ -42,7 +42,7 @@ def measure_design(design: StudyDesign, folder: Path) -> MeasuredStudy:
     camera = pool_camera(study.setup)
     out = MeasuredStudy(study, [], {}, {})
     before = [0.0, *(trial.head_angle_rad for trial in study.trials)]
-    places = session_places(len(study.trials))
+    places = session_order_fractions(len(study.trials))
     for trial, angle, place in zip(study.trials, before, places, strict=False):
         found = read_keypoints_of_trial(study.paths(trial)[0], trial, {})
         positions = map_keypoints(camera, found, study.setup.robot.keypoint_depth_m)
@@ -65,7 +65,7 @@ def series_with_effect(
     changes in a simulation of `model` from the same start.
     """
     kernel = compile_system(two_plate_system())
-    still = model.trial_values(kernel, series)
+    still = model.parameter_vectors_by_trial(kernel, series)
     moved = [
         with_effect_parameters(v, {f"{effect}.{k}": x for k, x in numbers.items()}) for v in still
     ]
@@ -79,5 +79,5 @@ def series_with_effect(
 def with_effect_parameters(values: np.ndarray, numbers: dict[str, float]) -> np.ndarray:
     out = values.copy()
     for name, value in numbers.items():
-        out[two_plate_system().slot[name]] = value
+        out[two_plate_system().parameter_index[name]] = value
     return out

@@ -13,7 +13,12 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from bluekoi.design_space import OperatingCondition, steady_states
-from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, TABLE_2_ERRORS_PCT, two_plate_system
+from bluekoi.model import (
+    PUBLISHED_FLAP_HZ,
+    TABLE_1,
+    TABLE_2_ERRORS_PCT,
+    two_plate_system,
+)
 from bluekoi.study import StudySettings
 from paper_robot import PAPER_SETUP
 
@@ -74,7 +79,7 @@ def published_radii_and_speeds(setup: StudySettings) -> PublishedMeasurements:
     every = turn_and_straight_conditions(setup)
     own = np.array(
         [
-            two_plate_system().values(TABLE_1[p])
+            two_plate_system().parameter_vector(TABLE_1[p])
             for p in [p for p in POWERS_PCT for _ in TURN_CONDITIONS] + list(POWERS_PCT)
         ]
     )[:, None]
@@ -116,14 +121,17 @@ def fit_one_coefficient_set(
     names = ["C_D0", *FITTED_COEFFICIENTS]
     if effect:
         names += [f"{effect}.{p.name}" for p in system.effect(effect).parameters]
-    rows = [system.parameters[system.slot[n]] for n in names]
+    rows = [system.parameters[system.parameter_index[n]] for n in names]
     lower, upper = np.array([p.lower for p in rows]), np.array([p.upper for p in rows])
     scale = np.array([max(abs(p.start), 1e-3) for p in rows])
-    every, base = turn_and_straight_conditions(setup), system.values(TABLE_1[75])
+    every, base = (
+        turn_and_straight_conditions(setup),
+        system.parameter_vector(TABLE_1[75]),
+    )
 
     def states(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         values = np.tile(base, (len(points), 1))
-        values[:, [system.slot[n] for n in names]] = points
+        values[:, [system.parameter_index[n] for n in names]] = points
         found = steady_states(every, values)
         return found.radius_m[:9].T, found.speed_m_s[9:].T
 

@@ -16,8 +16,13 @@ from bluekoi.engine import CauseSearchProblem
 from bluekoi.fitting import TrialSeries
 from bluekoi.integrate import LANES, compile_system
 from bluekoi.integrate.batch import simulate_batch
-from bluekoi.mismatch.robot_problem import robot_problem
-from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, constants_of_robot_trial, two_plate_system
+from bluekoi.mismatch.robot_problem import robot_cause_search_problem
+from bluekoi.model import (
+    PUBLISHED_FLAP_HZ,
+    TABLE_1,
+    constants_of_robot_trial,
+    two_plate_system,
+)
 from bluekoi.smoothing import smooth_pose
 from bluekoi.study import Trial
 from bluekoi.tuning import (
@@ -98,7 +103,7 @@ def simulate_campaigns(
 def simulated_search_problem(rng: np.random.Generator) -> CauseSearchProblem:
     """The search for causes in six simulated trials that begin at rest, at one motor power."""
     series = simulate_campaigns(trial_plans(powers=(75,)), ErrorModel(), rng, count=1)[0]
-    return robot_problem(
+    return robot_cause_search_problem(
         compile_system(two_plate_system()), downsampled_with_head_angle_changes(series, 5.0),
         fit_all_trials(downsampled(series)), displaced=(), progress=lambda _: None,
     )  # fmt: skip
@@ -112,10 +117,14 @@ def _simulated_paths(
     memory = dict.fromkeys(("tau_surge", "tau_sway", "tau_yaw"), errors.push_s)
     random = {"disturbance": {"present": 1.0, **memory}}
     count = len(wanted)
-    values = np.stack([np.repeat(system.values(p.values, random)[:, None], LANES, axis=1)
-                       for p in wanted])  # fmt: skip
+    values = np.stack(
+        [
+            np.repeat(system.parameter_vector(p.values, random)[:, None], LANES, axis=1)
+            for p in wanted
+        ]
+    )
     servo = errors.servo * rng.standard_normal((count, LANES))
-    values[:, system.slot["servo_error.angle"]] = servo
+    values[:, system.parameter_index["servo_error.angle"]] = servo
     fixed = np.stack(
         [
             np.repeat(

@@ -11,11 +11,15 @@ from functools import cache
 from pathlib import Path
 
 from bluekoi.camera import map_keypoints, pool_camera
-from bluekoi.data import Positions
+from bluekoi.data import KeypointPositions
 from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial
 from bluekoi.study import Study, Trial
-from bluekoi.synthetic.design import StudyDesign, full_factorial_trial_plans
-from bluekoi.synthetic.laws import Coefficients, GroundTruthPhysics, published_model_tank
+from bluekoi.synthetic.ground_truth_physics import (
+    Coefficients,
+    GroundTruthPhysics,
+    published_model_physics,
+)
+from bluekoi.synthetic.synthetic_study_design import StudyDesign, full_factorial_trial_plans
 from validation.tracking_noise import keypoint_study
 
 TABLE_1 = {
@@ -40,7 +44,7 @@ def published_model_design(seed: int = 12, *, table_1: bool = False) -> StudyDes
     at = TABLE_1 if table_1 else {}
     name = "table_1" if table_1 else "bare"
     return StudyDesign(
-        name, plans, published_model_tank(GroundTruthPhysics()), seed, coefficients_at=at
+        name, plans, published_model_physics(GroundTruthPhysics()), seed, coefficients_at=at
     )
 
 
@@ -76,7 +80,7 @@ def edit_trials_csv(study: Path, **cells: dict[str, str]) -> None:
         writer.writerows([row | cells.get(row["trial_id"], {}) for row in rows])
 
 
-def mapped_turn(study: Study) -> tuple[Study, Trial, Positions]:
+def mapped_turn(study: Study) -> tuple[Study, Trial, KeypointPositions]:
     """A small study, its turn T10 (30 degrees, 1x head), and that trial's keypoints in the pool."""
     trial = study.trial("T10")
     found = read_keypoints_of_trial(study.paths(trial)[0], trial, study.setup.bodyparts)

@@ -82,14 +82,16 @@ def test_a_fit_ends_with_numbers_or_advice(
         )
         for i in order
     ]
-    assert tuning_json(series).fit.normal.usable
+    assert tuning_json(series).fit.normal.all_finite
 
 
 @pytest.mark.parametrize("change", [{"clock": 0.125}, {"scale": 10.0}, {"scale": 100.0}])
 def test_a_model_that_runs_away_at_its_usual_numbers_is_begun_at_smaller_ones(
     simulated_trials, change
 ):
-    assert tuning_json([with_changes(one, **change) for one in simulated_trials]).fit.normal.usable
+    assert tuning_json(
+        [with_changes(one, **change) for one in simulated_trials]
+    ).fit.normal.all_finite
 
 
 def test_trials_that_no_coefficients_describe_are_refused(simulated_trials):
@@ -103,7 +105,7 @@ def test_trials_too_short_for_a_displaced_camera_have_none(simulated_trials):
         downsampled([with_changes(one, frames=16) for one in simulated_trials]),
     )
     found = fit_all_trials(few)
-    values = found.trial_values(kernel, few)
+    values = found.parameter_vectors_by_trial(kernel, few)
     assert max(len(one.times) for one in few) < 8
     assert detect_displacements(kernel, few, values, found.noise) == []
 

@@ -8,7 +8,7 @@ import pytest
 import yaml
 from scipy.spatial.transform import Rotation
 
-from bluekoi.camera.boards import Board, BoardView, find_board, read_board
+from bluekoi.camera.boards import Board, BoardView, board_from_pattern, find_board
 from bluekoi.camera.focal_length_groups import zoom_change_remark
 from bluekoi.camera.gyroflow_profile import read_lens_profile
 from bluekoi.camera.lens import Lens, lens_parameters, project_to_pixels
@@ -16,7 +16,7 @@ from bluekoi.camera.lens_bundle_adjustment import fit_lens
 from bluekoi.camera.lens_calibration import (
     calibrate_files,
     calibration_from_lens_profile,
-    camera_section,
+    camera_yaml,
     select_lens_model,
 )
 from bluekoi.camera.lens_selection import MODELS_COMPARED, fit_lens_candidate, select_lens
@@ -272,7 +272,7 @@ def test_charuco_boards_may_be_partly_out_of_view(tmp_path):
         grey = warped_board(flat, 80 / 0.025, pose)
         paths.append(tmp_path / f"{i}.png")
         cv2.imwrite(str(paths[-1]), grey)
-        whole += [find_board(grey, read_board("9x6", 25, "charuco"), "x")] if i < 6 else []
+        whole += [find_board(grey, board_from_pattern("9x6", 25, "charuco"), "x")] if i < 6 else []
     assert any(view is not None and len(view.board_m) < 54 for view in whole)
     out = tmp_path / "camera.yaml"
     result = calibrate_files(paths, pattern="9x6", board="charuco", model="pinhole", out=out)
@@ -380,7 +380,7 @@ def test_a_profile_that_cannot_be_right_is_refused(tmp_path, change, words):
     path = tmp_path / "lens.json"
     content = {"calib_dimension": {"w": 64, "h": 48}, "fisheye_params": lens}
     path.write_text(json.dumps(content))
-    assert "nan" not in camera_section(calibration_from_lens_profile(path))
+    assert "nan" not in camera_yaml(calibration_from_lens_profile(path))
     path.write_text(json.dumps(content | {"fisheye_params": lens | change}))
     with pytest.raises(InputError, match=words):
         read_lens_profile(path)

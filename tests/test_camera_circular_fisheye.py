@@ -9,7 +9,7 @@ from bluekoi.camera.boards import Board, BoardView
 from bluekoi.camera.image_circle import ImageCircle, image_circle
 from bluekoi.camera.lens import Lens
 from bluekoi.camera.lens_bundle_adjustment import fit_lens
-from bluekoi.camera.lens_calibration import calibrate_files, camera_section, select_lens_model
+from bluekoi.camera.lens_calibration import calibrate_files, camera_yaml, select_lens_model
 from bluekoi.camera.lens_selection import lens_implausibilities
 from bluekoi.errors import InputError
 
@@ -84,7 +84,7 @@ def test_a_circular_fisheye_is_calibrated_and_its_image_circle_reported(tmp_path
     assert found.lens.matrix[0, 0] == pytest.approx(FOCAL_PX, rel=0.005)
     assert found.held_out_px < 0.15
     assert found.held_out_px <= 1.02 * found.opencv_px
-    section = camera_section(found)
+    section = camera_yaml(found)
     assert "image circle of radius 27" in section
     assert f"(OpenCV: {found.opencv_px:.3f} px)" in section
 

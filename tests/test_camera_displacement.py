@@ -17,14 +17,14 @@ from bluekoi.camera import (
     pool_camera,
     pool_to_pixels,
 )
-from bluekoi.camera.error_displacement import camera_error_constants
+from bluekoi.camera.camera_error_displacement import camera_error_field_coefficients
 from bluekoi.camera.resection import pool_rectangle
 from bluekoi.errors import InputError
 from bluekoi.measurement import lens_error, scale_error, uncorrected_refraction
 from bluekoi.model import trial_system
 from bluekoi.model.simulation import constants_of_robot_trial
 from bluekoi.observation import camera_error_inputs
-from bluekoi.observation.view import SIDE_ERROR_NAMES
+from bluekoi.observation.trial_camera_errors import POOL_DIMENSION_ERROR_CONSTANTS
 from bluekoi.study import StudySettings
 from paper_robot import PAPER_SETUP
 
@@ -165,7 +165,7 @@ def test_refraction_moves_no_keypoint_between_surface_and_floor_by_more_than_its
     index, depth_m
 ):
     """The range ends where keypoints lie on the floor, or above the surface by 5 % of the body."""
-    low, high = camera_error_constants(stated_setup(index=index)).inward_shift_range
+    low, high = camera_error_field_coefficients(stated_setup(index=index)).inward_shift_range
     near = np.array([1.4, 0.75]) + 0.05 * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
     places = np.column_stack([near, np.full(len(near), -depth_m)])
     seen = map_to_pool(tilted_camera(index), pool_to_pixels(tilted_camera(), places), DEPTH_M)
@@ -181,7 +181,7 @@ def test_the_search_for_refraction_keeps_within_what_surface_and_floor_allow():
     constants = constants_of_robot_trial(setup, 0.12, view=camera_error_inputs(setup))
     strength = trial_system(constants).effect("uncorrected_refraction").parameters[0]
     assert (strength.lower, strength.upper) == pytest.approx(
-        camera_error_constants(setup).inward_shift_range
+        camera_error_field_coefficients(setup).inward_shift_range
     )
     unknown = constants_of_robot_trial(PAPER_SETUP, 0.12, view=camera_error_inputs(PAPER_SETUP))
     strength = trial_system(unknown).effect("uncorrected_refraction").parameters[0]
@@ -189,9 +189,11 @@ def test_the_search_for_refraction_keeps_within_what_surface_and_floor_allow():
 
 
 def test_a_homography_is_taken_for_a_camera_over_the_middle():
-    assert camera_error_constants(PAPER_SETUP).below_m == (1.3, 0.8)
-    assert camera_error_constants(PAPER_SETUP).bend_1_m2 == 0.0
-    assert camera_error_constants(PAPER_SETUP).lens_rest_m2 == pytest.approx(1.3**2 + 0.8**2)
+    assert camera_error_field_coefficients(PAPER_SETUP).below_m == (1.3, 0.8)
+    assert camera_error_field_coefficients(PAPER_SETUP).bend_1_m2 == 0.0
+    assert camera_error_field_coefficients(PAPER_SETUP).lens_rest_m2 == pytest.approx(
+        1.3**2 + 0.8**2
+    )
 
 
 def test_corners_that_fit_no_pose_are_seen_from_above_the_middle():
@@ -200,7 +202,9 @@ def test_corners_that_fit_no_pose_are_seen_from_above_the_middle():
     crossed = setup.camera.model_copy(update={"pool_corners_px": (a, c, b, d)})
     with pytest.raises(InputError):
         pool_camera(setup.model_copy(update={"camera": crossed}))
-    assert camera_error_constants(setup.model_copy(update={"camera": crossed})).below_m == (
+    assert camera_error_field_coefficients(
+        setup.model_copy(update={"camera": crossed})
+    ).below_m == (
         1.3,
         0.8,
     )
@@ -208,7 +212,7 @@ def test_corners_that_fit_no_pose_are_seen_from_above_the_middle():
 
 @pytest.mark.parametrize("effect", [scale_error, uncorrected_refraction])
 def test_an_error_that_grows_is_absent_in_the_first_trial_and_twice_its_mean_in_the_last(effect):
-    names = ("L_pool", "W_pool", "x_cam", "y_cam", "bend", *SIDE_ERROR_NAMES)
+    names = ("L_pool", "W_pool", "x_cam", "y_cam", "bend", *POOL_DIMENSION_ERROR_CONSTANTS)
     known = named_constants(stated_setup(), names) | {"k": 0.01, "q": 1.0, "a": 0.0}
     asked = inspect.signature(effect.observe).parameters
 
@@ -230,7 +234,7 @@ def test_a_side_stated_wrong_changes_the_scale_of_both_and_tilts_the_camera(side
     stated = pool_rectangle(2.6 * sides[0], 1.6 * sides[1], 0.0)
     wrong = camera_from_corners(lens_with_k1(), pool_to_pixels(true, CORNERS_M), stated, WATER)
     seen = map_to_pool(wrong, pixels, DEPTH_M) - GRID_M
-    given = named_constants(stated_setup(), ("L_pool", "W_pool", *SIDE_ERROR_NAMES))
+    given = named_constants(stated_setup(), ("L_pool", "W_pool", *POOL_DIMENSION_ERROR_CONSTANTS))
     given |= {"a": a, "d": 0.0, "session_place": 0.5}
     found = np.array([scale_error.observe(x, y, **CORE_CENTRE_CONSTANTS, **given, k=0.02)[:2]
                       for x, y in GRID_M])  # fmt: skip
@@ -241,7 +245,7 @@ def test_a_side_stated_wrong_changes_the_scale_of_both_and_tilts_the_camera(side
 
 @pytest.mark.parametrize(
     ("effect", "names"),
-    [(scale_error, ("L_pool", "W_pool", *SIDE_ERROR_NAMES)),
+    [(scale_error, ("L_pool", "W_pool", *POOL_DIMENSION_ERROR_CONSTANTS)),
      (uncorrected_refraction, ("x_cam", "y_cam", "bend")),
      (lens_error, ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens"))],
 )  # fmt: skip

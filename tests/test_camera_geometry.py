@@ -12,14 +12,14 @@ from bluekoi.camera.calibration_uncertainty import (
     calibration_covariance_factor,
 )
 from bluekoi.camera.geometry_hypotheses import fit_hypothesis
-from bluekoi.camera.resection import first_order_pose, pool_rectangle, pose_from_marks
+from bluekoi.camera.resection import gauss_newton_pose_update, pool_rectangle, pose_from_marks
 from bluekoi.camera.rigid_distances import CameraGeometry, rigid_distances
 from bluekoi.camera.rigid_length_check import (
     check_rigid_distances,
-    estimate_depth,
+    estimate_keypoint_depth,
 )
-from bluekoi.camera.whole_length import systematic_length_error_share, whole_lengths
-from bluekoi.data import Positions
+from bluekoi.camera.whole_body_length import systematic_length_error_share, whole_body_lengths
+from bluekoi.data import KeypointPositions
 from bluekoi.errors import InputError
 from bluekoi.study import Robot
 from paper_robot import PAPER_ROBOT
@@ -68,7 +68,7 @@ def random_rigid_points(n: int, rng: np.random.Generator, *, tip_m: float = 0.12
 
 def mapped_trials(
     believed: PoolCamera, *, seed=1, noise_px=0.4, tip_m=0.12, depth_m=DEPTH_M, truth=TRUTH
-) -> list[Positions]:
+) -> list[KeypointPositions]:
     """Twelve trials seen by the true camera and mapped by the believed one; depth_m: of all points,
     or of each (480,).
     """
@@ -83,7 +83,7 @@ def mapped_trials(
         xy = map_to_pool(believed, image, DEPTH_M).reshape(120, 4, 2)
         ones = np.ones((120, 4))
         cov = np.full((120, 4, 2, 2), np.nan)
-        trials.append(Positions(np.arange(120) / 30, PARTS, xy, cov, ones))
+        trials.append(KeypointPositions(np.arange(120) / 30, PARTS, xy, cov, ones))
     return trials
 
 
@@ -131,8 +131,8 @@ def whole_length_check(believed: PoolCamera, given: tuple[str, ...] = (), **made
         seen.append(np.column_stack([np.arange(120), ratio])[::2])
         xy = np.concatenate([one.xy_m, end[:, None]], axis=1)
         ones, cov = np.ones((120, 5)), np.full((120, 5, 2, 2), np.nan)
-        trials.append(Positions(one.time_s, (*PARTS, "tail_tip"), xy, cov, ones))
-    lengths = whole_lengths(trials, seen, [0.12] * 12, Robot(**PAPER_ROBOT))
+        trials.append(KeypointPositions(one.time_s, (*PARTS, "tail_tip"), xy, cov, ones))
+    lengths = whole_body_lengths(trials, seen, [0.12] * 12, Robot(**PAPER_ROBOT))
     geometry = CameraGeometry(believed, DEPTH_M)
     return check_rigid_distances(
         geometry, lengths, min_share=systematic_length_error_share(geometry, lengths), given=given
@@ -232,7 +232,7 @@ def test_depth_comes_from_the_same_distances_with_an_honest_std():
     pulls = []
     for seed in range(4):
         trials = mapped_trials(TRUTH, seed=seed, depth_m=0.07)
-        depth, std = estimate_depth(
+        depth, std = estimate_keypoint_depth(
             TRUTH, trials, depth_m=DEPTH_M, head_lengths_m=[0.12] * 12, robot=Robot(**PAPER_ROBOT)
         )
         pulls.append((depth - 0.07) / std)
@@ -269,7 +269,7 @@ def test_pose_of_nearby_corners_is_the_whole_fits_to_two_hundredths_of_the_chang
     moved = TRUTH.corners_px + np.random.default_rng(4).normal(0, 1.0, (4, 2))
     marks = (TRUTH.corners_m, TRUTH.refractive_index)
     whole = pose_from_marks(LENS, moved, *marks)
-    near = first_order_pose(
+    near = gauss_newton_pose_update(
         LENS, moved, *marks, rotation=TRUTH.rotation, translation=TRUTH.translation
     )  # fmt: skip
     for own, right, before in zip(near[:2], whole[:2], (TRUTH.rotation, TRUTH.translation),

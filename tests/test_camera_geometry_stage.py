@@ -14,8 +14,8 @@ from exact_campaign import GEOMETRY_JSON, exact_campaign
 
 from bluekoi.camera import pool_camera
 from bluekoi.camera.calibration_uncertainty import calibration_covariance_at_points
-from bluekoi.camera.error_displacement import camera_error_constants
-from bluekoi.camera.length_warnings import length_warnings
+from bluekoi.camera.camera_error_displacement import camera_error_field_coefficients
+from bluekoi.camera.rigid_length_warnings import rigid_length_warnings
 from bluekoi.campaign import Campaign, load_campaign
 from bluekoi.data import read_track
 from bluekoi.figures import draw
@@ -23,7 +23,7 @@ from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial, write_keypoint
 from bluekoi.stages.depth import keypoint_depth
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.keypoints import keypoints
-from bluekoi.stages.layout import ResultPaths
+from bluekoi.stages.result_paths import ResultPaths
 from bluekoi.stages.tracks import tracks
 from bluekoi.study import load_study
 from small_studies import SMALL_STUDY_TRIALS, small_study
@@ -66,7 +66,9 @@ def test_keypoints_placed_at_stated_lengths_measure_none(detected_study, tmp_pat
     """The silhouette's lie where study.yaml has them: that they agree with it says nothing."""
     study, results = detected_study
     shutil.copytree(results, tmp_path / "results")
-    notes = [ResultPaths(tmp_path / "results").detection(name) for name in SMALL_STUDY_TRIALS]
+    notes = [
+        ResultPaths(tmp_path / "results").detection_status(name) for name in SMALL_STUDY_TRIALS
+    ]
     for count, note in enumerate(notes, start=1):
         note.write_text(json.dumps(json.loads(note.read_text()) | {"source": "silhouette"}))
         found = geometry_json(study, tmp_path / "results")
@@ -79,7 +81,7 @@ def test_keypoints_placed_at_stated_lengths_measure_none(detected_study, tmp_pat
 def silhouette_keypoints(found: Path, lengths: list[list[float]]) -> None:
     """Keypoints of all trials as a silhouette gives them, and the whole lengths that it saw."""
     for name in SMALL_STUDY_TRIALS:
-        note = ResultPaths(found).detection(name)
+        note = ResultPaths(found).detection_status(name)
         reported = {"source": "silhouette", "length_seen": lengths}
         note.write_text(json.dumps(json.loads(note.read_text()) | reported))
 
@@ -127,7 +129,7 @@ def test_keypoint_files_of_the_silhouette_detector_are_not_measured_lengths(
     else:
         assert (found["scale"], found["likely"]) == (None, "unknown")
         assert "lengths of study.yaml" in found["sentence"]
-        assert not length_warnings(found, None)
+        assert not rigid_length_warnings(found, None)
 
 
 def test_whole_lengths_a_little_off_show_no_error(detected_study, tmp_path):
@@ -154,10 +156,10 @@ def test_a_body_whose_tail_ends_far_from_where_it_is_stated_gives_a_warning(
     study, results = detected_study
     shutil.copytree(results, tmp_path / "results")
     silhouette_keypoints(tmp_path / "results", [])
-    (warning,) = length_warnings(geometry_json(study, tmp_path / "results"), None)
+    (warning,) = rigid_length_warnings(geometry_json(study, tmp_path / "results"), None)
     assert "measure body_length_m" in warning
     silhouette_keypoints(tmp_path / "results", measured_share_of_frames(1.0, 0.001))
-    assert not length_warnings(geometry_json(study, tmp_path / "results"), None)
+    assert not rigid_length_warnings(geometry_json(study, tmp_path / "results"), None)
 
 
 def test_a_length_is_no_surer_than_pixels_and_exposure_let_it_be(detected_study, tmp_path):
@@ -177,7 +179,7 @@ def test_lengths_of_two_trials_are_too_few(detected_study, tmp_path):
     study, results = detected_study
     shutil.copytree(results, tmp_path / "results")
     silhouette_keypoints(tmp_path / "results", measured_share_of_frames(0.97, 0.001))
-    note = ResultPaths(tmp_path / "results").detection(next(iter(SMALL_STUDY_TRIALS)))
+    note = ResultPaths(tmp_path / "results").detection_status(next(iter(SMALL_STUDY_TRIALS)))
     note.write_text(json.dumps(json.loads(note.read_text()) | {"length_seen": []}))
     found = geometry_json(study, tmp_path / "results")
     assert (found["scale"], found["likely"]) == (None, "unknown")
@@ -240,8 +242,10 @@ def test_an_estimated_depth_reaches_the_patterns_of_lens_and_refraction(detected
     with_study_change(copy, lambda content: content["robot"].pop("keypoint_depth_m"))
     (tmp_path / "geometry.json").write_text(json.dumps({"depth_m": 0.09}))
     setup = load_campaign(tmp_path, load_study(copy)).study.setup
-    assert (setup.robot.keypoint_depth_m, setup.robot.depth_given) == (0.09, False)
-    assert camera_error_constants(setup) != camera_error_constants(load_study(copy).setup)
+    assert (setup.robot.keypoint_depth_m, setup.robot.keypoint_depth_given) == (0.09, False)
+    assert camera_error_field_coefficients(setup) != camera_error_field_coefficients(
+        load_study(copy).setup
+    )
     given = load_campaign(tmp_path, load_study(study)).study.setup
     assert given.robot.keypoint_depth_m == 0.04
 

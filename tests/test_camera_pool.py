@@ -14,7 +14,7 @@ from bluekoi.camera import (
     camera_from_corners,
     map_keypoints,
     map_to_pool,
-    place_by_pixel_jacobian,
+    pixel_to_pool_jacobian,
     pool_camera,
     pool_to_pixels,
 )
@@ -202,7 +202,7 @@ def test_stated_covariance_is_that_of_mapped_noise():
     )
     mapped = map_keypoints(camera, keypoints, 0.04)
     found = np.cov(mapped.xy_m[:, 0].T)
-    slope = place_by_pixel_jacobian(camera, place, 0.04)[0]
+    slope = pixel_to_pool_jacobian(camera, place, 0.04)[0]
     assert np.allclose(mapped.cov_m2[0, 0], slope @ cov_px @ slope.T, rtol=0.01)
     assert np.allclose(found, slope @ cov_px @ slope.T, rtol=0.08, atol=1e-9)
 

@@ -41,7 +41,9 @@ def damped_model():
     values[-1], cov[-1, -1] = N_R, 0.001**2
     found = replace(found, fit=replace(found.fit, values=values), cov=cov, df=None)
     kernel = compile_system(two_plate_system())
-    forces = missing_force(kernel, series, found.trial_values(kernel, series), found.noise)
+    forces = missing_force(
+        kernel, series, found.parameter_vectors_by_trial(kernel, series), found.noise
+    )
     trials = {p.name: Trial(trial_id=p.name, source="a.csv", power_pct=100, fps=30.0,
                             head_angle_deg=p.angle_deg, head_length_m=p.head_length_m)
               for p in wanted}  # fmt: skip
@@ -71,7 +73,7 @@ def test_a_law_is_drawn_in_a_channel_that_its_effect_names(damped_model):
     values, disturbance = found.fit.values.copy(), found.noise.disturbance.copy()
     base = found.base.copy()
     values[-1], disturbance[0] = 0.02, 1e-6
-    base[kernel.system.slot["tail_fin_lift.axial_share"]] = 1.0
+    base[kernel.system.parameter_index["tail_fin_lift.axial_share"]] = 1.0
     fin = replace(found, base=base, fit=replace(found.fit, free=free, values=values),
                   noise=replace(found.noise, disturbance=disturbance))  # fmt: skip
     law = cause_force_curves(kernel, series, forces, fin, trials)["tail_fin_lift"]

@@ -154,7 +154,7 @@ def test_files_that_kept_size_and_date_are_not_read_again(tmp_path, monkeypatch)
     study, results = small_study(tmp_path / "study"), tmp_path / "results"
     write_manifest(study, results)
     read: list[Path] = []
-    monkeypatch.setattr("bluekoi.stages.manifest.sha256", read.append)
+    monkeypatch.setattr("bluekoi.stages.manifest.file_sha256", read.append)
     assert changes_since_run(load_study(study), results) == []
     assert read == []
 

@@ -8,7 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bluekoi import data
-from bluekoi.data import Keypoints, Pose, Positions, Track, has_excess_variance, is_confident
+from bluekoi.data import (
+    KeypointPositions,
+    Keypoints,
+    Pose,
+    Track,
+    has_excess_variance,
+    is_confident,
+)
 from bluekoi.errors import InputError
 
 TIMES = np.arange(5) / 30
@@ -36,7 +43,7 @@ def test_times_that_repeat_go_back_or_are_missing_are_refused(times):
 
 def test_parts_are_found_by_name():
     xy = np.arange(20.0).reshape(5, 2, 2)
-    found = Positions(TIMES, ("a", "b"), xy, np.zeros((5, 2, 2, 2)), np.ones((5, 2)))
+    found = KeypointPositions(TIMES, ("a", "b"), xy, np.zeros((5, 2, 2, 2)), np.ones((5, 2)))
     assert np.array_equal(found.part("b"), xy[:, 1])
 
 

@@ -23,9 +23,9 @@ from scipy.stats import t as student
 
 from bluekoi.data import SteadyState
 from bluekoi.steady import read_steady
-from bluekoi.synthetic.campaign import render_study
-from bluekoi.synthetic.design import TrialPlan, demo_design
-from bluekoi.synthetic.laws import Coefficients
+from bluekoi.synthetic.ground_truth_physics import Coefficients
+from bluekoi.synthetic.study_rendering import render_study
+from bluekoi.synthetic.synthetic_study_design import TrialPlan, demo_design
 from bluekoi.synthetic.trial import solve_trial
 from small_studies import published_model_design
 
@@ -67,7 +67,7 @@ def true_steady_state(plan: TrialPlan, row: SteadyState) -> tuple[float, float, 
     """
     trial = solve_trial(demo_design(), plan.trial_id)
     at = np.linspace(row.steady_from_s, row.steady_to_s, 1000)
-    vx, vy = trial.motion.mean(at)[:, 3:5].T
+    vx, vy = trial.motion.state_without_recoil(at)[:, 3:5].T
     course = np.unwrap(np.arctan2(vy, vx))
     speed = float(np.hypot(vx, vy).mean())
     gone = speed * (row.steady_to_s - row.steady_from_s)

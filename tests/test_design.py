@@ -50,7 +50,10 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A results folder with Table I at 75 % as the joint fit, known to 2 %."""
     folder = tmp_path_factory.mktemp("results")
     rng = np.random.default_rng(0)
-    names, best = list(TABLE_1[75]), np.array(list(TABLE_1[75].values()))
+    names, best = (
+        list(TABLE_1[75]),
+        np.array(list(TABLE_1[75].values())),
+    )
     draws = best * (1 + 0.02 * rng.standard_normal((200, 6)))
     content = {
         "paper_steps": {str(p): {"flap_hz": hz} for p, hz in PUBLISHED_FLAP_HZ.items()},
@@ -64,7 +67,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_batches_agree_with_one_at_a_time_and_with_other_robots() -> None:
-    values = np.stack([two_plate_system().values(TABLE_1[p]) for p in (50, 75, 100)])
+    values = np.stack([two_plate_system().parameter_vector(TABLE_1[p]) for p in (50, 75, 100)])
     heavy = PAPER_SETUP.model_copy(
         update={"robot": PAPER_SETUP.robot.model_copy(update={"mass_kg": 0.9})}
     )
@@ -85,8 +88,8 @@ def test_batches_agree_with_one_at_a_time_and_with_other_robots() -> None:
 
 
 def test_what_does_not_settle_is_not_given_a_radius() -> None:
-    values = two_plate_system().values(TABLE_1[75], {"battery_sag": {"loss_rate": 0.05}})
-    slots = two_plate_system().effect_parameter_slots("battery_sag")
+    values = two_plate_system().parameter_vector(TABLE_1[75], {"battery_sag": {"loss_rate": 0.05}})
+    slots = two_plate_system().effect_parameter_indices("battery_sag")
     assert values[slots[0]] == 0.05
     found = steady_states([OperatingCondition(4.02, 0.7, 0.12, PAPER_SETUP)], values[None])
     assert np.isnan(found.radius_m[0, 0])
@@ -161,16 +164,21 @@ def test_an_extended_model_is_asked_for_only_where_there_is_one(results: Path) -
 
 def test_frequency_between_tested_powers_and_beyond() -> None:
     fit = FittedRobot(np.zeros((1, 1)), {50.0: 2.0, 100.0: 6.0}, "joint")
-    assert fit.at_power(75) == pytest.approx(4.0)
-    assert fit.at_power(150) == pytest.approx(10.0)
-    assert FittedRobot(np.zeros((1, 1)), {50.0: 2.0}, "joint").at_power(25) == pytest.approx(1.0)
+    assert fit.flap_hz_at_power(75) == pytest.approx(4.0)
+    assert fit.flap_hz_at_power(150) == pytest.approx(10.0)
+    assert FittedRobot(np.zeros((1, 1)), {50.0: 2.0}, "joint").flap_hz_at_power(
+        25
+    ) == pytest.approx(1.0)
 
 
 def simulated_path(schedule, seconds: float = 8.0):
     times = np.arange(round(seconds * 60) + 1) / 60
     hz, angle = schedule.at(times)
     constants = constants_of_robot_trial(PAPER_SETUP, 0.12)
-    values, inputs = two_plate_system().values(TABLE_1[75]), np.column_stack([angle, hz])
+    values, inputs = (
+        two_plate_system().parameter_vector(TABLE_1[75]),
+        np.column_stack([angle, hz]),
+    )
     return simulate_at_times(values, times, inputs, constants, np.zeros(6))
 
 

@@ -8,23 +8,23 @@ import numpy as np
 import pytest
 
 from bluekoi.engine import CauseSearchProblem, FittedCauseSet, expand_likelihood, fit_cause_set
+from bluekoi.engine.cause_set_columns import (
+    MAX_RELATIVE_DISCREPANCY_STD,
+    PRIOR_RELATIVE_DISCREPANCY_STDS,
+    CauseSetColumns,
+    columns_of_cause_set,
+    prior_precisions_given_stds,
+)
 from bluekoi.engine.evidence import (
     log_evidence,
-    log_evidence_at_discrepancy_shares,
-    most_probable_discrepancy_shares,
+    log_evidence_given_discrepancy_stds,
+    most_probable_discrepancy_stds,
 )
 from bluekoi.engine.expansion import LikelihoodExpansion
 from bluekoi.engine.forces import rms_force_by_cause
-from bluekoi.engine.set_columns import (
-    MAX_DISCREPANCY_SHARE,
-    PRIOR_DISCREPANCY_SHARES,
-    CauseSetColumns,
-    columns_of_cause_set,
-    precisions_at_discrepancy_shares,
-)
 from bluekoi.fitting import ParameterFit, fit_parameters_jointly
 from bluekoi.integrate import compile_system
-from bluekoi.mismatch.robot_problem import robot_problem
+from bluekoi.mismatch.robot_problem import robot_cause_search_problem
 from bluekoi.model import two_plate_system
 from bluekoi.tuning import downsampled, downsampled_with_head_angle_changes, fit_all_trials
 from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
@@ -39,14 +39,14 @@ def friction_fit() -> tuple[CauseSearchProblem, FittedCauseSet]:
         trial_plans(powers=(75,)), ErrorModel(), np.random.default_rng(5), count=1
     )[0]
     baseline = fit_all_trials(downsampled(series))
-    problem = robot_problem(
+    problem = robot_cause_search_problem(
         compile_system(two_plate_system()),
         downsampled_with_head_angle_changes(series, 5.0),
         baseline,
         displaced=(),
         progress=lambda _: None,
     )
-    known = {**baseline.fit.by_label(), "coulomb_friction.F_c": 0.01}
+    known = {**baseline.fit.values_by_label(), "coulomb_friction.F_c": 0.01}
     return problem, fit_cause_set(problem, ("coulomb_friction",), problem.noise, known)
 
 
@@ -87,8 +87,8 @@ def test_a_discrepancy_is_a_share_of_the_cause_in_the_same_channel(
     precisions = dict(zip(lay.columns.tolist(), lay.precision, strict=True))
     (column,) = expansion.strengths["residual.sway_v"]
     force = precisions[column] ** -0.5 * forces["residual.sway_v"][SWAY]
-    assert force == pytest.approx(MAX_DISCREPANCY_SHARE * forces["coulomb_friction"][SWAY])
-    assert force < 0.7 * MAX_DISCREPANCY_SHARE * forces["coulomb_friction"][SURGE]
+    assert force == pytest.approx(MAX_RELATIVE_DISCREPANCY_STD * forces["coulomb_friction"][SWAY])
+    assert force < 0.7 * MAX_RELATIVE_DISCREPANCY_STD * forces["coulomb_friction"][SURGE]
 
 
 def test_the_evidence_is_the_mean_over_the_shares_that_a_formula_may_be_wrong_by(
@@ -96,8 +96,8 @@ def test_the_evidence_is_the_mean_over_the_shares_that_a_formula_may_be_wrong_by
     friction_columns: tuple[LikelihoodExpansion, CauseSetColumns],
 ) -> None:
     expansion, lay = friction_columns
-    single = [log_evidence_at_discrepancy_shares(expansion, lay, {"coulomb_friction": share})
-              for share in PRIOR_DISCREPANCY_SHARES]  # fmt: skip
+    single = [log_evidence_given_discrepancy_stds(expansion, lay, {"coulomb_friction": share})
+              for share in PRIOR_RELATIVE_DISCREPANCY_STDS]  # fmt: skip
     assert single[0] == max(single)
     mean = np.log(np.mean(np.exp(np.array(single) - max(single)))) + max(single)
     assert log_evidence(friction_fit[0], expansion, lay) == pytest.approx(mean)
@@ -111,10 +111,10 @@ def test_discrepancy_of_an_exact_formula_costs_at_most_log_4(
     against the evidence without one.
     """
     expansion, lay = friction_columns
-    none = log_evidence_at_discrepancy_shares(expansion, lay, {"coulomb_friction": 1e-6})
+    none = log_evidence_given_discrepancy_stds(expansion, lay, {"coulomb_friction": 1e-6})
     assert (
         log_evidence(friction_fit[0], expansion, lay)
-        > none - np.log(len(PRIOR_DISCREPANCY_SHARES)) - 0.5
+        > none - np.log(len(PRIOR_RELATIVE_DISCREPANCY_STDS)) - 0.5
     )
 
 
@@ -128,23 +128,23 @@ def test_evidence_of_a_large_remainder_is_capped_at_the_fitted_share(
     expansion, lay = friction_columns
     position = int(np.argmax(lay.discrepancy["coulomb_friction"]))
     column = lay.columns[position]
-    size = MAX_DISCREPANCY_SHARE * lay.discrepancy["coulomb_friction"][position]
+    size = MAX_RELATIVE_DISCREPANCY_STD * lay.discrepancy["coulomb_friction"][position]
     hessian, gradient = expansion.hessian.copy(), expansion.gradient.copy()
     hessian[0, column, column] += (30 / size) ** 2
     gradient[0, column] += 30**2 / size
     pushed = replace(expansion, hessian=hessian, gradient=gradient)
-    assert most_probable_discrepancy_shares(pushed, lay) == {
-        "coulomb_friction": max(PRIOR_DISCREPANCY_SHARES)
+    assert most_probable_discrepancy_stds(pushed, lay) == {
+        "coulomb_friction": max(PRIOR_RELATIVE_DISCREPANCY_STDS)
     }
     smallest, largest = (
-        log_evidence_at_discrepancy_shares(pushed, lay, {"coulomb_friction": share})
-        for share in (min(PRIOR_DISCREPANCY_SHARES), max(PRIOR_DISCREPANCY_SHARES))
+        log_evidence_given_discrepancy_stds(pushed, lay, {"coulomb_friction": share})
+        for share in (min(PRIOR_RELATIVE_DISCREPANCY_STDS), max(PRIOR_RELATIVE_DISCREPANCY_STDS))
     )
     assert largest > smallest + 10.0
     problem = friction_fit[0]
     assert log_evidence(problem, pushed, lay) == pytest.approx(smallest)
     (label,) = (f.label for name, columns in expansion.strengths.items()
-                for f, i in zip(problem.by_name[name].strengths, columns, strict=True)
+                for f, i in zip(problem.candidate_by_name[name].strengths, columns, strict=True)
                 if i == column)  # fmt: skip
     fitted = replace(pushed, model=replace(friction_fit[1], deviations={label: size}))
     assert log_evidence(problem, fitted, lay) > smallest + 5.0
@@ -158,7 +158,7 @@ def test_a_term_of_two_causes_may_be_as_strong_as_the_larger_share_of_them() -> 
         discrepancy={"fin": np.array([1.0, 0.0]), "stall": np.array([4.0, 0.0])},
     )  # fmt: skip
     both = [{"fin": 0.2, "stall": 0.02}, {"fin": 0.02, "stall": 0.2}]
-    assert precisions_at_discrepancy_shares(lay, both) == pytest.approx(
+    assert prior_precisions_given_stds(lay, both) == pytest.approx(
         np.array([[25.0, 1.0], [1.5625, 1.0]])
     )
 
@@ -169,7 +169,9 @@ def test_the_discrepancy_is_fitted_with_the_numbers_of_a_set(
     """The most probable point of both: its terms stand where likelihood and prior balance."""
     problem, model = friction_fit
     stds = {"residual.surge_u": 0.02, "residual.sway_v": 0.02}
-    both = fit_cause_set(problem, model.causes, model.noise, model.fit.by_label(), deviations=stds)
+    both = fit_cause_set(
+        problem, model.causes, model.noise, model.fit.values_by_label(), deviations=stds
+    )
     assert both.discrepancy.keys() == stds.keys()
     assert both.log_joint > model.log_joint
     expansion = expand_likelihood(problem, both)
@@ -193,8 +195,8 @@ def test_a_fit_that_held_gains_lead_astray_lets_them_follow(
             return found
         return replace(found, normal=replace(found.normal, gradient=found.normal.gradient * np.nan))
 
-    monkeypatch.setattr("bluekoi.engine.refit.fit_parameters_jointly", astray)
-    again = fit_cause_set(problem, model.causes, model.noise, model.fit.by_label())
+    monkeypatch.setattr("bluekoi.engine.cause_set_fit.fit_parameters_jointly", astray)
+    again = fit_cause_set(problem, model.causes, model.noise, model.fit.values_by_label())
     assert None in given
-    assert again.usable
+    assert again.is_finite
     assert again.log_likelihood == pytest.approx(model.log_likelihood, abs=0.5)

@@ -46,9 +46,17 @@ def trial_arguments(means: list[list[float]]) -> np.ndarray:
 
 
 def simulated_path(effect: Effect | None, side: float = 1.0, **given: float) -> np.ndarray:
-    run = simulate(TABLE_1[75], setup=PAPER_SETUP, head_length_m=0.175, head_angle_rad=side * 0.6,
-                   flap_hz=4.0, duration_s=6.0, start=(1.3, 0.8, 0.0, 0.0, 0.0, 0.0),
-                   effects=active_at_start_value(effect) if effect else None, **given)  # fmt: skip
+    run = simulate(
+        TABLE_1[75],
+        setup=PAPER_SETUP,
+        head_length_m=0.175,
+        head_angle_rad=side * 0.6,
+        flap_hz=4.0,
+        duration_s=6.0,
+        start=(1.3, 0.8, 0.0, 0.0, 0.0, 0.0),
+        effects=active_at_start_value(effect) if effect else None,
+        **given,
+    )
     return run.state
 
 
@@ -152,7 +160,9 @@ def call_effect(
         "C_La": 3.0, "C_Ma": 0.1, "C_Md": 0.12, "C_Da": 2.0,
         "C_T": 0.0045, "x_cam": 1.3, "y_cam": 0.8,
     }  # fmt: skip
-    known |= {p.argument: p.start for p in effect.parameters} | dict.fromkeys(effect.states, 0.0)
+    known |= {p.argument_name: p.start for p in effect.parameters} | dict.fromkeys(
+        effect.states, 0.0
+    )
     known |= given
     if "z_fin" in effect.states and "z_fin" not in given:
         known["z_fin"] = v - known["a"] * r  # lift that has built up
@@ -309,14 +319,14 @@ def test_a_delayed_start_takes_away_the_impulse_of_the_thrust_in_its_time(delay_
 def test_side_measurements_predicted_by_functions_have_the_slopes_of_differences() -> None:
     """A spin-up of share 0.6 and 0.3 s loses 0.18 s: slopes 0.3 and 0.6; a sag of 0.04/s halves."""
     system = two_plate_system()
-    point = system.values(
+    point = system.parameter_vector(
         TABLE_1[100],
         {
             "motor_spin_up": {"missing_share": 0.6, "time_constant": 0.3},
             "battery_sag": {"loss_rate": 0.04, "settling_rate": 1e-4},
         },
     )
-    slot, at = system.slot, (point[None], trial_arguments([[0.0, 3.5, 3.0]]))
+    slot, at = system.parameter_index, (point[None], trial_arguments([[0.0, 3.5, 3.0]]))
     value, slopes = predict_side_measurement(system, "lost_time", *at)
     assert value[0] == pytest.approx(0.18)
     assert slopes[0, slot["motor_spin_up.missing_share"]] == pytest.approx(0.3)
@@ -334,13 +344,15 @@ def test_side_measurements_predicted_by_functions_have_the_slopes_of_differences
 def test_a_sag_that_follows_the_load_drifts_more_at_a_higher_frequency() -> None:
     """With an exponent of 2, twice the frequency has four times the drift."""
     system = two_plate_system()
-    point = system.values(TABLE_1[100], {"battery_sag": {"loss_rate": 0.04, "load_exponent": 2.0}})
+    point = system.parameter_vector(
+        TABLE_1[100], {"battery_sag": {"loss_rate": 0.04, "load_exponent": 2.0}}
+    )
     means = trial_arguments([[0.0, 2.0, 3.0], [0.0, 4.0, 3.0]])
     drift, slopes = predict_side_measurement(
         system, "frequency_drift", np.tile(point, (2, 1)), means
     )
     assert drift[1] / drift[0] == pytest.approx(4.0)
-    place = system.slot["battery_sag.load_exponent"]
+    place = system.parameter_index["battery_sag.load_exponent"]
     assert slopes[:, place] == pytest.approx(drift * np.log(means[:, 1] / 3.5), rel=1e-3)
 
 

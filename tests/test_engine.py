@@ -20,15 +20,15 @@ from bluekoi.engine import (
     NamedCause,
     Posterior,
     PriorInclusionProbabilities,
-    candidates_by_effect_name,
+    candidates_from_effects,
     expand_likelihood,
     expansion,
     fit_cause_set,
-    fit_own_noise,
+    fit_noise_and_parameters,
     insignificance_sentence,
     insignificant_causes,
     named_causes,
-    own_noise,
+    noise_estimation,
     posterior_over_sets,
     proposals,
     search,
@@ -37,12 +37,14 @@ from bluekoi.engine import (
     strength_estimates,
 )
 from bluekoi.engine.calibration import calibrated_probability, calibrated_shares_of_alternatives
-from bluekoi.engine.candidates import Candidate
+from bluekoi.engine.candidates import CandidateCause
+from bluekoi.engine.cause_set_columns import CauseSetColumns
+from bluekoi.engine.cause_set_fit import refit_from_fitted_values
 from bluekoi.engine.collinear_terms import collinear_terms
 from bluekoi.engine.evidence import (
     laplace_log_evidence,
     log_evidence,
-    most_probable_discrepancy_shares,
+    most_probable_discrepancy_stds,
 )
 from bluekoi.engine.expansion import (
     LikelihoodExpansion,
@@ -50,7 +52,7 @@ from bluekoi.engine.expansion import (
     one_step_strength_estimates,
 )
 from bluekoi.engine.fitted_sets import FittedCauseSets
-from bluekoi.engine.own_noise import (
+from bluekoi.engine.noise_estimation import (
     MIN_LOG_LIKELIHOOD_GAIN_PER_ROUND,
     SMALL_FORCE_CORRELATION_TIME_S,
     SMALL_FORCE_SHARE,
@@ -60,19 +62,17 @@ from bluekoi.engine.own_noise import (
 from bluekoi.engine.problem import MAX_SEARCH_TRIALS
 from bluekoi.engine.proposals import (
     fit_causes_in_place_of_residual_terms,
-    fits_in_place_of,
+    fit_requests_replacing_cause,
 )
-from bluekoi.engine.refit import refit_from_fitted_values
 from bluekoi.engine.removed_cause import log_odds_without_cause
-from bluekoi.engine.set_columns import CauseSetColumns
 from bluekoi.engine.set_score import (
     MAX_LOG_STD_CHANGE,
-    expansion_with_optimum_gradient,
+    make_expansion_stationary_at_fit,
     refit_with_discrepancy,
+    refit_with_reestimated_noise,
     score_cause_set,
-    with_own_noise,
 )
-from bluekoi.engine.subset import d_optimal_trial_subset
+from bluekoi.engine.trial_subset import d_optimal_trial_subset
 from bluekoi.fitting import (
     Z_95,
     FreeParameter,
@@ -83,8 +83,8 @@ from bluekoi.fitting import (
 )
 from bluekoi.fitting.noise import FittedNoise
 from bluekoi.fitting.normal import NormalEquationsByTrial
-from bluekoi.fitting.predictions import difference_step
-from bluekoi.fitting.trial_effects import marginal_products
+from bluekoi.fitting.predictions import finite_difference_step
+from bluekoi.fitting.trial_effects import marginal_gram_matrices
 from bluekoi.integrate import Effect, Parameter, Stage, System, compile_system
 from validation.noise_starts import gain_table, gains_of_sets
 from validation.proposal_ranks import proposed_causes_of, rank_summary
@@ -185,7 +185,7 @@ def test_random_trial_effects_are_integrated_out_exactly() -> None:
     e, J, Z = rng.normal(size=9), rng.normal(size=(9, 2)), rng.normal(size=(9, 2))
     stds = np.array([[0.7, 1.9]])
     columns = np.column_stack([e, J, Z])
-    products, constant, effects = marginal_products((columns.T @ columns)[None], stds)
+    products, constant, effects = marginal_gram_matrices((columns.T @ columns)[None], stds)
     cov = np.eye(9) + Z @ np.diag(stds[0] ** 2) @ Z.T
     exact = multivariate_normal(np.zeros(9), cov).logpdf(e)
     white = -0.5 * 9 * np.log(2 * np.pi)
@@ -201,7 +201,7 @@ def test_random_trial_effects_are_integrated_out_exactly() -> None:
 def test_a_trial_in_which_the_model_runs_away_has_no_products_and_raises_nothing() -> None:
     """A search ended where a step made two differences grow alike beyond what floats resolve."""
     products = np.full((1, 4, 4), 2.0**100)
-    found, constant, effects = marginal_products(products, np.ones((1, 2)))
+    found, constant, effects = marginal_gram_matrices(products, np.ones((1, 2)))
     assert np.isnan(found).all()
     assert np.isnan(effects.values).all()
     assert not np.isfinite(constant).any()
@@ -214,13 +214,13 @@ def test_a_trial_without_products_leaves_the_others_as_they_are() -> None:
     alike[:, 3] = alike[:, 2] + 1e-9 * alike[:, 3]
     alike[:, 0] = alike[:, 2]
     sound, close = columns.T @ columns, 1e20 * alike.T @ alike
-    found, constant, effects = marginal_products(
+    found, constant, effects = marginal_gram_matrices(
         np.array([np.full((4, 4), 2.0**100), close, sound]), np.ones((3, 2))
     )
     assert np.isnan(found[:2]).all()
     assert np.isnan(constant[:2]).all()
     assert np.isnan(effects.values[:2]).all()
-    alone, own_constant, own_effects = marginal_products(sound[None], np.ones((1, 2)))
+    alone, own_constant, own_effects = marginal_gram_matrices(sound[None], np.ones((1, 2)))
     assert found[2] == pytest.approx(alone[0])
     assert constant[2] == pytest.approx(own_constant[0])
     assert effects.values[2] == pytest.approx(own_effects.values[0])
@@ -305,9 +305,9 @@ def driven_mass_problem(series: list[TrialSeries]) -> CauseSearchProblem:
     return CauseSearchProblem(
         kernel=compile_system(SYSTEM),
         series=series,
-        base=SYSTEM.values({}),
+        base=SYSTEM.parameter_vector({}),
         coefficients=(FreeParameter("c"),),
-        candidates=candidates_by_effect_name(SYSTEM, names, PriorInclusionProbabilities(cause=0.1)),
+        candidates=candidates_from_effects(SYSTEM, names, PriorInclusionProbabilities(cause=0.1)),
         noise=Noise(np.array([0.01]), np.array([0.3]), np.ones(1)),
     )
 
@@ -332,11 +332,15 @@ def test_a_cause_is_fitted_in_place_of_all_residual_terms_of_its_kind(
     sources = {"residual.a": {("sway", "r")}, "residual.b": {("yaw", "v")},
                "fin": {("sway", "r"), ("yaw", "v")}, "sag": {("surge", "t")},
                "lag": {("yaw", "t")}}  # fmt: skip
-    candidates = {n: Candidate(n, "residual" if "." in n else "physics", (), (), 0.1, frozenset(s))
-                  for n, s in sources.items()}  # fmt: skip
-    problem = SimpleNamespace(by_name=candidates, candidates=tuple(candidates.values()),
+    candidates = {
+        n: CandidateCause(n, "residual" if "." in n else "physics", (), (), 0.1, frozenset(s))
+        for n, s in sources.items()
+    }
+    problem = SimpleNamespace(candidate_by_name=candidates, candidates=tuple(candidates.values()),
                               collinear_terms=())  # fmt: skip
-    visited = SimpleNamespace(problem=problem, sets={}, expansion=lambda scored: scored)
+    visited = SimpleNamespace(
+        problem=problem, sets={}, expansion_in_all_candidates=lambda scored: scored
+    )
     fitted: list[tuple[tuple[str, ...], str]] = []
 
     def add(wanted: FitRequest) -> object:
@@ -345,11 +349,14 @@ def test_a_cause_is_fitted_in_place_of_all_residual_terms_of_its_kind(
         visited.sets[wanted.key] = scored
         return scored
 
-    visited.add, visited.add_side_by_side = add, lambda wanted: [add(one) for one in wanted]
+    visited.fit_and_keep, visited.fit_and_keep_in_threads = (
+        add,
+        lambda wanted: [add(one) for one in wanted],
+    )
     monkeypatch.setattr(proposals, "rank_further_causes",
                         lambda _, __, among: [(1.0, c.name) for c in among])  # fmt: skip
-    monkeypatch.setattr(proposals, "_start_of_further_cause", lambda *_: {})
-    monkeypatch.setattr(proposals, "fits_of_further_causes",
+    monkeypatch.setattr(proposals, "_start_values_of_added_cause", lambda *_: {})
+    monkeypatch.setattr(proposals, "fit_requests_adding_cause",
                         lambda _, s, __: [FitRequest((*s.causes, "sag"), s.model)])  # fmt: skip
     best = SimpleNamespace(causes=("residual.a", "residual.b", "lag"),
                            model=SimpleNamespace(key=frozenset()))  # fmt: skip
@@ -381,10 +388,10 @@ def test_a_cause_is_replaced_by_one_that_it_can_be_confused_with(
     for count, system in ((2, plain), (0, problem)):
         visited = FittedCauseSets(system)
         less = score_cause_set(system, fit_without_causes(system, {}))
-        monkeypatch.setattr(proposals, "REPLACEMENTS_PER_SET", count)
-        wanted = fits_in_place_of(visited, "quadratic_drag", less)
+        monkeypatch.setattr(proposals, "MAX_REPLACEMENT_REFITS_PER_CAUSE", count)
+        wanted = fit_requests_replacing_cause(visited, "quadratic_drag", less)
         assert {fit.causes for fit in wanted} == {("constant_force",)}
-    assert fits_in_place_of(FittedCauseSets(plain), "quadratic_drag", less) == []
+    assert fit_requests_replacing_cause(FittedCauseSets(plain), "quadratic_drag", less) == []
 
 
 def test_the_ranks_of_the_causes_found_are_those_of_the_expansion_without_them() -> None:
@@ -457,7 +464,7 @@ def test_the_ridge_has_no_part_in_the_evidence(ridge: float, monkeypatch) -> Non
 
 
 def test_a_cause_whose_strengths_may_all_be_zero_is_insignificant() -> None:
-    by_name = driven_mass_problem(driven_mass_trials(0.3, 0.1)).by_name
+    by_name = driven_mass_problem(driven_mass_trials(0.3, 0.1)).candidate_by_name
     cause = NamedCause("quadratic_drag", 0.99, {})
     (label,) = (f.label for f in by_name["quadratic_drag"].strengths)
     for value, std, insignificant in (
@@ -483,18 +490,18 @@ def test_a_strength_is_judged_with_the_form_of_its_cause_held() -> None:
     system = replace(SYSTEM, effects=(*SYSTEM.effects[:1], drag))
     problem = replace(
         driven_mass_problem(driven_mass_trials(0.3, 0.0)), kernel=compile_system(system),
-        base=system.values({}), candidates=candidates_by_effect_name(
+        base=system.parameter_vector({}), candidates=candidates_from_effects(
             system, ["drag"], PriorInclusionProbabilities(cause=0.1)
         ),
     )  # fmt: skip
-    fitted = fit_own_noise(problem, fit_cause_set(problem, ("drag",), problem.noise, {}))
+    fitted = fit_noise_and_parameters(problem, fit_cause_set(problem, ("drag",), problem.noise, {}))
     label = "drag.k"
     free = cluster_robust_covariance(fitted.fit.normal, np.ones(3, dtype=bool))
     wide = float(free.half_widths()[1]) / Z_95
-    value, std = strength_estimates(fitted, problem.by_name)[label]
-    assert value == fitted.fit.by_label()[label]
+    value, std = strength_estimates(fitted, problem.candidate_by_name)[label]
+    assert value == fitted.fit.values_by_label()[label]
     assert wide > 3 * std
-    assert insignificant_causes([NamedCause("drag", 1.0, {})], problem.by_name,
+    assert insignificant_causes([NamedCause("drag", 1.0, {})], problem.candidate_by_name,
                                 {label: (value, std)}) == []  # fmt: skip
 
 
@@ -509,7 +516,7 @@ def test_without_its_limit_the_posterior_keeps_every_set() -> None:
 
 def test_strengths_of_probable_causes_are_those_that_acted() -> None:
     visited = search_cause_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
-    values = visited.best.model.fit.by_label()
+    values = visited.best.model.fit.values_by_label()
     assert values["quadratic_drag.k"] == pytest.approx(0.3, rel=0.1)
     assert values["constant_force.F0"] == pytest.approx(0.1, rel=0.1)
 
@@ -523,7 +530,7 @@ def test_a_better_noise_of_the_most_probable_set_alone_does_not_search_again(
     def found_likelier_noise(visited: FittedCauseSets) -> None:
         best = visited.best
         explored.append(best.model.key)
-        visited.keep(replace(best, log_posterior=best.log_posterior + 5.0))
+        visited.replace_fit(replace(best, log_posterior=best.log_posterior + 5.0))
 
     monkeypatch.setattr("bluekoi.engine.search._refit_with_shared_noise", found_likelier_noise)
     visited = search_cause_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
@@ -534,7 +541,7 @@ def test_a_fit_begins_at_the_strength_that_the_expansion_gives() -> None:
     """Also where the sign is other than that of the usual start."""
     for true in (0.3, -0.2):
         whole = driven_mass_problem(driven_mass_trials(0.0, true))
-        first = fit_own_noise(whole, fit_cause_set(whole, (), whole.noise, {}))
+        first = fit_noise_and_parameters(whole, fit_cause_set(whole, (), whole.noise, {}))
         start = one_step_strength_estimates(
             whole, expand_likelihood(whole, first), "constant_force"
         )
@@ -548,7 +555,7 @@ def test_other_starts_of_the_noise_reach_the_same_fit(share: float) -> None:
     problem = driven_mass_problem(driven_mass_trials(0.3, 0.1))
     other = noise_with_small_random_forces(problem, problem.noise, share=share)
     first, again = (
-        fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), noise, {}))
+        fit_noise_and_parameters(problem, fit_cause_set(problem, ("quadratic_drag",), noise, {}))
         for noise in (problem.noise, other)
     )
     assert again.log_joint == pytest.approx(first.log_joint, abs=MIN_LOG_LIKELIHOOD_GAIN_PER_ROUND)
@@ -560,7 +567,7 @@ def test_the_model_without_causes_is_fitted_from_two_noises_and_the_likelier_fit
     """Random forces so large that the filter runs away do not end a search."""
     problem = driven_mass_problem(driven_mass_trials(0.3, 0.1))
     small = noise_with_small_random_forces(problem, problem.noise)
-    singly = [fit_own_noise(problem, fit_cause_set(problem, (), noise, {}))
+    singly = [fit_noise_and_parameters(problem, fit_cause_set(problem, (), noise, {}))
               for noise in (problem.noise, small)]  # fmt: skip
     both = fit_without_causes(problem, {})
     assert both.log_joint == max(model.log_joint for model in singly)
@@ -574,9 +581,9 @@ def test_the_model_without_causes_is_fitted_from_two_noises_and_the_likelier_fit
         normal = replace(model.fit.normal, log_likelihood=np.full(len(problem.series), np.nan))
         return replace(model, fit=replace(model.fit, normal=normal))
 
-    monkeypatch.setattr(own_noise, "fit_cause_set", upset_by_large_forces)
+    monkeypatch.setattr(noise_estimation, "fit_cause_set", upset_by_large_forces)
     found = fit_without_causes(problem, {})
-    assert found.usable
+    assert found.is_finite
     assert found.log_joint == singly[1].log_joint
 
 
@@ -600,9 +607,9 @@ def test_a_difference_with_which_a_trial_runs_away_is_repeated_smaller(
 
     monkeypatch.setattr(expansion, "_trial_information_and_gradients", upset_by_a_large_step)
     found = expand_likelihood(problem, model)
-    strength = problem.by_name["constant_force"].strengths[0]
-    assert steps[1] == difference_step(problem.kernel, strength, 0.0) < 0.1 * steps[0]
-    assert found.usable
+    strength = problem.candidate_by_name["constant_force"].strengths[0]
+    assert steps[1] == finite_difference_step(problem.kernel, strength, 0.0) < 0.1 * steps[0]
+    assert found.is_finite
     assert found.hessian.sum(axis=0) == pytest.approx(plain.hessian.sum(axis=0), rel=1e-3, abs=1.0)
 
 
@@ -731,7 +738,7 @@ def test_evidence_is_taken_at_the_better_fit_of_a_set() -> None:
     """A fit that is not converged has a lower joint density, whatever it extrapolates."""
     whole = driven_mass_problem(driven_mass_trials(0.3, 0.0))
     good = search_cause_sets(whole).sets[frozenset({"quadratic_drag"})]
-    start = good.model.fit.by_label() | {"quadratic_drag.k": 0.15}
+    start = good.model.fit.values_by_label() | {"quadratic_drag.k": 0.15}
     poor = score_cause_set(
         whole, fit_cause_set(whole, ("quadratic_drag",), good.model.noise, start, iterations=0)
     )
@@ -759,7 +766,7 @@ def test_a_number_at_its_bound_promises_no_gain_from_leaving_it() -> None:
     expansion = expand_likelihood(whole, at_zero, [])
     for slope, kept in ((5.0, 0.0), (-5.0, -5.0)):
         gradient = np.full_like(expansion.gradient, slope / len(expansion.gradient))
-        found = expansion_with_optimum_gradient(
+        found = make_expansion_stationary_at_fit(
             whole, replace(expansion, gradient=gradient)
         ).gradient.sum(axis=0)
         assert found == pytest.approx([0.0, kept], abs=1e-12)
@@ -799,13 +806,15 @@ def end_fits_early(monkeypatch) -> None:
         )
 
     monkeypatch.setattr(set_score, "refit_from_fitted_values", ends_early)
-    monkeypatch.setattr(set_score, "fit_own_noise", lambda problem, model, **_: model)
+    monkeypatch.setattr(set_score, "fit_noise_and_parameters", lambda problem, model, **_: model)
 
 
 def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> None:
     """Where fits with the discrepancy end lower, the evidence is that of none, at an optimum."""
     problem, label = problem_with_a_discrepancy(), "constant_force.F0"
-    fitted = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    fitted = fit_noise_and_parameters(
+        problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {})
+    )
     scored = score_cause_set(problem, fitted)
     reached = refit_with_discrepancy(problem, scored)
     assert reached.model.deviations.keys() == {label}
@@ -824,9 +833,11 @@ def test_a_predicted_gain_that_no_fit_reaches_is_not_evidence(monkeypatch) -> No
 def test_a_set_is_fitted_at_the_share_with_the_largest_evidence(left: float, share: float) -> None:
     """An exact formula, and one that leaves a force of a third of its own."""
     problem, label = problem_with_a_discrepancy(left), "constant_force.F0"
-    model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    model = fit_noise_and_parameters(
+        problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {})
+    )
     found = refit_with_discrepancy(problem, score_cause_set(problem, model), rounds=4)
-    assert most_probable_discrepancy_shares(found.expansion, found.layout) == {
+    assert most_probable_discrepancy_stds(found.expansion, found.layout) == {
         "quadratic_drag": share
     }
     scale = found.layout.discrepancy["quadratic_drag"].max()
@@ -837,7 +848,9 @@ def test_an_offset_within_its_tolerance_is_fitted_and_integrated_out() -> None:
     """A force of half its tolerance: it is no cause, and the evidence is that of an optimum."""
     problem, label = driven_mass_problem(driven_mass_trials(0.3, 0.02)), "constant_force.F0"
     problem = replace(problem, tolerances={label: 0.04})
-    model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    model = fit_noise_and_parameters(
+        problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {})
+    )
     found = refit_with_discrepancy(problem, score_cause_set(problem, model))
     assert found.model.deviations == {label: pytest.approx(0.04)}
     assert found.model.discrepancy[label] == pytest.approx(0.02, abs=0.01)
@@ -851,7 +864,9 @@ def test_a_predicted_gain_of_an_offset_that_no_fit_reaches_is_not_evidence(monke
     """As for a discrepancy: a fit that ends early leaves the offset, and its gain, at 0."""
     problem, label = driven_mass_problem(driven_mass_trials(0.3, 0.1)), "constant_force.F0"
     problem = replace(problem, tolerances={label: 0.04})
-    model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    model = fit_noise_and_parameters(
+        problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {})
+    )
     scored = score_cause_set(problem, model)
     end_fits_early(monkeypatch)
     found = refit_with_discrepancy(problem, scored)
@@ -861,16 +876,18 @@ def test_a_predicted_gain_of_an_offset_that_no_fit_reaches_is_not_evidence(monke
 
 def test_noise_is_kept_where_another_estimate_has_less_evidence(monkeypatch) -> None:
     problem = driven_mass_problem(driven_mass_trials(0.3, 0.0))
-    model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    model = fit_noise_and_parameters(
+        problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {})
+    )
     scored = score_cause_set(problem, model)
     worse = refit_from_fitted_values(
         problem, model, replace(model.noise, scale=3.0 * model.noise.scale)
     )
-    monkeypatch.setattr(set_score, "fit_own_noise", lambda *_, **__: worse)
-    assert with_own_noise(problem, scored) is scored
+    monkeypatch.setattr(set_score, "fit_noise_and_parameters", lambda *_, **__: worse)
+    assert refit_with_reestimated_noise(problem, scored) is scored
     less = score_cause_set(problem, worse)
-    monkeypatch.setattr(set_score, "fit_own_noise", lambda *_, **__: model)
-    assert with_own_noise(problem, less).model is model
+    monkeypatch.setattr(set_score, "fit_noise_and_parameters", lambda *_, **__: model)
+    assert refit_with_reestimated_noise(problem, less).model is model
 
 
 def test_a_noise_that_was_estimated_without_a_gain_is_not_estimated_again(monkeypatch) -> None:
@@ -883,10 +900,10 @@ def test_a_noise_that_was_estimated_without_a_gain_is_not_estimated_again(monkey
             replace(noise, scale=3.0 * noise.scale), filter_all(kernel, series, points, noise)
         )
 
-    monkeypatch.setattr(own_noise, "estimate_noise_model", worse)
-    found = fit_own_noise(problem, model)
+    monkeypatch.setattr(noise_estimation, "estimate_noise_model", worse)
+    found = fit_noise_and_parameters(problem, model)
     assert found.noise is model.noise
-    assert fit_own_noise(problem, found) is found
+    assert fit_noise_and_parameters(problem, found) is found
     assert len(estimates) == 1
 
 
@@ -895,12 +912,12 @@ def test_a_fit_is_repeated_from_another_noise_once(monkeypatch) -> None:
     problem = driven_mass_problem(driven_mass_trials(0.3, 0.0))
     visited, repeated = FittedCauseSets(problem), []
     for causes in ((), ("quadratic_drag",)):
-        visited.add(FitRequest(causes, fit_cause_set(problem, (), problem.noise, {})))
+        visited.fit_and_keep(FitRequest(causes, fit_cause_set(problem, (), problem.noise, {})))
     monkeypatch.setattr(search, "_refit_from_noise", lambda *given: repeated.append(given[1:]))
     for _ in range(2):
         search._refit_with_shared_noise(visited)
     assert len(repeated) == 1
-    visited.keep(replace(visited.best, model=replace(visited.best.model)))
+    visited.replace_fit(replace(visited.best, model=replace(visited.best.model)))
     search._refit_with_shared_noise(visited)
     assert len(repeated) == 2
 
@@ -908,7 +925,9 @@ def test_a_fit_is_repeated_from_another_noise_once(monkeypatch) -> None:
 def test_a_discrepancy_is_fitted_first_at_the_smallest_share(monkeypatch) -> None:
     """Then at the largest, which a force of a third of the cause's own needs."""
     problem, label = problem_with_a_discrepancy(0.1), "constant_force.F0"
-    model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    model = fit_noise_and_parameters(
+        problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {})
+    )
     scored, stds = score_cause_set(problem, model), []
 
     def recorded(
@@ -927,7 +946,9 @@ def test_a_discrepancy_is_fitted_first_at_the_smallest_share(monkeypatch) -> Non
 def test_the_prior_of_a_discrepancy_is_that_of_the_forces_at_the_fit(monkeypatch) -> None:
     """The fit changes the forces that the prior is relative to: it is repeated until both agree."""
     problem, label = problem_with_a_discrepancy(), "constant_force.F0"
-    model = fit_own_noise(problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {}))
+    model = fit_noise_and_parameters(
+        problem, fit_cause_set(problem, ("quadratic_drag",), problem.noise, {})
+    )
     scored = score_cause_set(problem, model)
     stds = iter([1.0, 0.5, 0.2, 0.2, 0.2])
     monkeypatch.setattr(
@@ -943,13 +964,13 @@ def test_a_residual_term_collinear_with_a_cause_is_no_candidate_of_its_own() -> 
     copy = _effect("copy", quadratic_drag, Parameter("k", "1/m", 0.5, -20.0, 20.0, ""))
     system = replace(SYSTEM, effects=(*SYSTEM.effects, copy))
     names = ["quadratic_drag", "constant_force", "copy"]
-    drag, force, twin = candidates_by_effect_name(
+    drag, force, twin = candidates_from_effects(
         system, names, PriorInclusionProbabilities(cause=0.1)
     )
     residual = {"kind": "residual", "sources": source}
     problem = replace(
         driven_mass_problem(driven_mass_trials(0.3, 0.0)), kernel=compile_system(system),
-        base=system.values({}), candidates=(replace(drag, sources=source),
+        base=system.parameter_vector({}), candidates=(replace(drag, sources=source),
         replace(force, **residual), replace(twin, **residual)),
     )  # fmt: skip
     bare = fit_cause_set(problem, (), problem.noise, {})

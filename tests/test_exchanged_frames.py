@@ -10,9 +10,9 @@ from click.testing import CliRunner
 from test_pose import HEAD_M, ROBOT, circle_poses, keypoint_positions
 
 from bluekoi.cli import main
-from bluekoi.data import BODY_PART_NAMES, Positions, read_track
+from bluekoi.data import BODY_PART_NAMES, KeypointPositions, read_track
 from bluekoi.files import read_json
-from bluekoi.pose.exchanged_frames import undo_head_tail_exchanges
+from bluekoi.pose.head_tail_swap import undo_head_tail_swaps
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.tracks import tracks
 from small_studies import small_study
@@ -21,7 +21,7 @@ STD_M = 8e-4
 SWAPPED = np.r_[40, 100:120, 170:174]
 
 
-def end_for_end(positions: Positions, frames: np.ndarray) -> Positions:
+def end_for_end(positions: KeypointPositions, frames: np.ndarray) -> KeypointPositions:
     """Positions whose labels are in the reverse order in some frames."""
     xy, likelihood = positions.xy_m.copy(), positions.likelihood.copy()
     xy[frames], likelihood[frames] = xy[frames, ::-1], likelihood[frames, ::-1]
@@ -37,7 +37,7 @@ def named_frames(times: list[list[float]]) -> np.ndarray:
 @pytest.mark.parametrize("phi", [0.0, 0.5, -0.8])
 def test_exchanged_frames_are_found_and_put_right(phi, stated):
     good = keypoint_positions(circle_poses(phi=phi), STD_M, stated=stated)
-    found, times = undo_head_tail_exchanges(end_for_end(good, SWAPPED), ROBOT, HEAD_M)
+    found, times = undo_head_tail_swaps(end_for_end(good, SWAPPED), ROBOT, HEAD_M)
     assert named_frames(times).tolist() == SWAPPED.tolist()
     assert np.array_equal(found.xy_m, good.xy_m)
     assert np.array_equal(found.likelihood, good.likelihood)
@@ -45,11 +45,11 @@ def test_exchanged_frames_are_found_and_put_right(phi, stated):
 
 def test_files_without_a_tail_tip():
     good = keypoint_positions(circle_poses(), STD_M)
-    cut = Positions(
+    cut = KeypointPositions(
         good.time_s, BODY_PART_NAMES[:4], good.xy_m[:, :4], good.cov_m2[:, :4],
         good.likelihood[:, :4],
     )  # fmt: skip
-    found, times = undo_head_tail_exchanges(end_for_end(cut, SWAPPED), ROBOT, HEAD_M)
+    found, times = undo_head_tail_swaps(end_for_end(cut, SWAPPED), ROBOT, HEAD_M)
     assert named_frames(times).tolist() == SWAPPED.tolist()
     assert np.array_equal(found.xy_m, cut.xy_m)
 
@@ -64,7 +64,7 @@ def test_right_and_otherwise_wrong_frames_stay(understated):
         likelihood[1000 + 100 * part : 1050 + 100 * part, part] = 0.01
     xy[800:820] = xy[800:820, [0, 2, 1, 3, 4]]
     shown = replace(good, xy_m=xy, likelihood=likelihood, cov_m2=good.cov_m2 / understated**2)
-    found, times = undo_head_tail_exchanges(shown, ROBOT, HEAD_M)
+    found, times = undo_head_tail_swaps(shown, ROBOT, HEAD_M)
     assert times == []
     assert found is shown
 
@@ -72,7 +72,7 @@ def test_right_and_otherwise_wrong_frames_stay(understated):
 def test_nothing_seen_is_no_exchange():
     good = keypoint_positions(circle_poses(n=40), STD_M)
     blind = replace(good, xy_m=np.full_like(good.xy_m, np.nan))
-    assert undo_head_tail_exchanges(blind, ROBOT, HEAD_M) == (blind, [])
+    assert undo_head_tail_swaps(blind, ROBOT, HEAD_M) == (blind, [])
 
 
 @pytest.fixture

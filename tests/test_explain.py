@@ -117,7 +117,7 @@ def test_a_probable_cause_on_whose_size_the_trials_do_not_agree_is_not_named(
         found = strength_estimates(model, candidates)
         return {k: (v, 10.0 if k == "current.c" else std) for k, (v, std) in found.items()}
 
-    monkeypatch.setattr("bluekoi.engine.naming.strength_estimates", wide)
+    monkeypatch.setattr("bluekoi.engine.cause_selection.strength_estimates", wide)
     found = explain(cart_model, simulated_runs(drag=0.8, current=0.1), without=["spring"])
     assert [c.name for c in found.named] == ["quadratic_drag"]
     assert "current improves the fit" in found.warnings[0]
@@ -209,8 +209,10 @@ def free_simulation(model: Model, trial: Trial) -> np.ndarray:
     assembly = assemble_system(model)
     kernel = compile_system(assembly.system)
     one = as_trial_series(model, assembly, trial, {})
-    lanes = [np.repeat(np.asarray(a, float)[None, :, None], 16, axis=2)
-             for a in (one.mean, assembly.system.values({"c": 0.4}), one.constants)]  # fmt: skip
+    lanes = [
+        np.repeat(np.asarray(a, float)[None, :, None], 16, axis=2)
+        for a in (one.mean, assembly.system.parameter_vector({"c": 0.4}), one.constants)
+    ]
     lanes[0][:, :2] = 0.0
     observed, _ = simulate_batch(kernel, *lanes, times=one.times[None], inputs=one.inputs[None])
     return observed[0, :, 0, 0]

@@ -20,7 +20,7 @@ from hypothesis.extra import numpy as arrays
 from bluekoi.errors import InputError
 from bluekoi.explain import Model, Observation, Trial, load_model, read_trials
 from bluekoi.explain.checks import refuse_invalid_model
-from bluekoi.explain.feedback import explained_by_innovations
+from bluekoi.explain.feedback import input_share_from_innovations
 from bluekoi.explain.recording_warnings import time_unit_warnings
 from bluekoi.explain.trials import validated_trials
 
@@ -218,8 +218,8 @@ def closed_loop_run(
 def test_an_input_that_a_controller_makes_is_recognised(delay, held):
     rng = np.random.default_rng(5)
     closed, free = ([closed_loop_run(gain, delay, rng) for _ in range(4)] for gain in (0.5, 0.0))
-    assert explained_by_innovations(*zip(*closed, strict=True), held=held) > 0.1
-    assert explained_by_innovations(*zip(*free, strict=True), held=held) == 0.0
+    assert input_share_from_innovations(*zip(*closed, strict=True), held=held) > 0.1
+    assert input_share_from_innovations(*zip(*free, strict=True), held=held) == 0.0
 
 
 @pytest.mark.parametrize("value", [0.2617993877991494, 1 / 3, 1e6 / 7])
@@ -227,7 +227,7 @@ def test_an_input_that_never_changes_follows_nothing(value):
     rng = np.random.default_rng(2)
     inputs = [np.full(n, value) for n in (160, 173, 151)]
     errors = [rng.normal(size=(len(u), 3)) for u in inputs]
-    assert explained_by_innovations(inputs, errors, held=True) == 0.0
+    assert input_share_from_innovations(inputs, errors, held=True) == 0.0
 
 
 BOUNDS_CHECKED = """
@@ -250,7 +250,7 @@ for n in (4, 7, 33):
     t = 0.05 * np.arange(n)
     trial = Trial(str(n), t, {{"position": np.where(np.arange(n) % 3, t, np.nan)}}, {{"push": t}})
     series.append(as_trial_series(model, assembly, trial, {{}}))
-values = [assembly.system.values({{}})] * len(series)
+values = [assembly.system.parameter_vector({{}})] * len(series)
 noise = initial_noise(kernel, series, values[0])
 for one, value in zip(series, values):
     print(filter_series(kernel, one, value, noise).log_likelihood)

@@ -13,9 +13,9 @@ from scipy.integrate import solve_ivp
 from bluekoi.cli import main
 from bluekoi.errors import InputError
 from bluekoi.explain import Parameter, State, Trial, explain, load_model
-from bluekoi.explain.comparison import HeldOutErrors, unconfirmed_sentence
+from bluekoi.explain.comparison import HeldOutErrors, unconfirmed_causes_sentence
 from bluekoi.explain.fit_quality import MAX_ERROR_OVER_STATED
-from bluekoi.explain.preparation import prepare_cause_search, with_correlation_over_a_frame
+from bluekoi.explain.preparation import prepare_cause_search, with_correlation_times_above_frame
 from bluekoi.explain.results_json import verdict_sentence
 from bluekoi.explain.trials import split_trials_at_gaps
 from bluekoi.fitting import Noise
@@ -95,10 +95,10 @@ def test_a_state_faster_than_a_sample_is_integrated_in_small_steps():
 
 
 def test_random_parts_stay_correlated_over_a_frame():
-    slow = with_correlation_over_a_frame(MODEL, 0.4)
+    slow = with_correlation_times_above_frame(MODEL, 0.4)
     assert slow.error_s[:2] == (0.4, 0.4)
     assert slow.random_force_s[:2] == (0.5, 0.4)
-    assert with_correlation_over_a_frame(MODEL, 0.001).error_s == MODEL.error_s
+    assert with_correlation_times_above_frame(MODEL, 0.001).error_s == MODEL.error_s
 
 
 def write_folder(folder: Path, trials: list[Trial]) -> Path:
@@ -258,7 +258,7 @@ def test_named_causes_that_leave_the_held_out_path_no_better_are_said_to_be_unco
 ):
     base = {"path_rmse": 0.15, "x_rmse": 0.2}
     held = HeldOutErrors(("T",), base, extended, base, ("trajectories",) * 2, 5.0)
-    text = unconfirmed_sentence(held)
+    text = unconfirmed_causes_sentence(held)
     assert bool(text) == said
     if said:
         assert "do not confirm the named causes: path_rmse 0.2 with them and 0.15 without" in text

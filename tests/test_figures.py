@@ -35,10 +35,10 @@ from bluekoi.figures.drawing.missing_force import (
     variable_along_trial,
 )
 from bluekoi.figures.drawing.model_sweeps import (
+    fits_at_tested_and_extrapolated_powers,
     fits_at_tested_powers,
     turn_radii_over_head_angle,
     turn_radius,
-    with_extrapolated_powers,
 )
 from bluekoi.figures.drawing.style import COLOURS, power_styles
 from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, steady_speed_and_radius
@@ -218,7 +218,7 @@ def test_fig5_names_the_difference_of_simulated_and_measured_radius(complete_cam
 
 
 def test_coefficients_are_extrapolated_linearly_over_power(complete_campaign):
-    rows = with_extrapolated_powers(complete_campaign)
+    rows = fits_at_tested_and_extrapolated_powers(complete_campaign)
     assert list(rows) == [50, 75, 100, 125, 150]
     assert [row.tested for row in rows.values()] == [True, True, True, False, False]
     for name, key in (("flap_hz", None), ("C_Md", "C_Md"), ("C_Da", "C_Da")):
@@ -231,7 +231,7 @@ def test_coefficients_are_extrapolated_linearly_over_power(complete_campaign):
 
 
 def test_one_power_is_not_extended():
-    assert list(with_extrapolated_powers(exact_campaign(powers=(75,)))) == [75]
+    assert list(fits_at_tested_and_extrapolated_powers(exact_campaign(powers=(75,)))) == [75]
 
 
 def test_fig6_draws_the_model_that_was_tuned(complete_campaign):

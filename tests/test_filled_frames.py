@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bluekoi.data import Keypoints
-from bluekoi.pose.filled_frames import (
+from bluekoi.pose.gap_filled_frames import (
     filled_gap_warnings,
     longest_filled_gap,
     without_filled_frames,

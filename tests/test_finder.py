@@ -13,15 +13,15 @@ import pytest
 from bluekoi import smoothing
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.data import FlappingFrequency
-from bluekoi.engine import NamedCause, PriorInclusionProbabilities, candidates_by_effect_name
-from bluekoi.engine.naming import UNLISTED_FORCE_LABEL
+from bluekoi.engine import NamedCause, PriorInclusionProbabilities, candidates_from_effects
+from bluekoi.engine.cause_selection import UNLISTED_FORCE_LABEL
 from bluekoi.errors import InputError
 from bluekoi.files import to_json_types
 from bluekoi.fitting import (
     TrialSeries,
-    added_force,
     estimate_noise_model,
     filter_all,
+    force_of_added_effects,
     rts_smooth,
 )
 from bluekoi.integrate import compile_system
@@ -43,9 +43,12 @@ from bluekoi.mismatch.free_run_errors import (
 )
 from bluekoi.mismatch.next_trial import best_next_trial, disagreement_text
 from bluekoi.mismatch.results_json import mismatch_detail_json, mismatch_json
-from bluekoi.mismatch.robot_problem import robot_problem, undetermined_cause_warnings
+from bluekoi.mismatch.robot_problem import robot_cause_search_problem, undetermined_cause_warnings
 from bluekoi.mismatch.sentences import verdict_sentence
-from bluekoi.mismatch.wrong_clock import trials_with_wrong_clock, with_constant_clock_error
+from bluekoi.mismatch.wrong_clock import (
+    candidates_with_constant_clock_error,
+    trials_with_wrong_clock,
+)
 from bluekoi.model import HYDRODYNAMIC_COEFFICIENTS, two_plate_system
 from bluekoi.pose import rigid_pose
 from bluekoi.stages.clock_factor import MIN_CLOCK_RATIO_STD_SHARE
@@ -54,7 +57,6 @@ from bluekoi.stages.clock_measurement import (
     with_clock_measurement,
     within_between_group_variances,
 )
-from bluekoi.stages.layout import ResultPaths
 from bluekoi.stages.mismatch import (
     refuse_single_trial,
     with_keypoint_distances_from_nose,
@@ -62,6 +64,7 @@ from bluekoi.stages.mismatch import (
     with_rigid_length_measurement,
 )
 from bluekoi.stages.motor_measurements import with_frequency_drift, with_spin_up_time_measurement
+from bluekoi.stages.result_paths import ResultPaths
 from bluekoi.study.data_split import held_out_trials
 from bluekoi.tuning import (
     downsampled,
@@ -123,7 +126,7 @@ def test_both_models_are_compared_in_the_better_of_two_fits(
         *(p.name for p in HYDRODYNAMIC_COEFFICIENTS),
         "tail_fin_lift.lift_area", "linear_yaw_damping.N_r",
     }  # fmt: skip
-    slot, before = kernel.system.slot, found.extended.fit.by_label()
+    slot, before = kernel.system.parameter_index, found.extended.fit.values_by_label()
     assert by_paths.base[slot["tail_fin_lift.arm"]] == before["tail_fin_lift.arm"]
     few, all_of_it = some[:4], 1e3
     assert path_rmse_m(kernel, trajectory_fit(kernel, few, found.baseline), few, all_of_it) < (
@@ -156,13 +159,13 @@ def test_force_of_an_addition_is_what_its_law_gives(
     """N = -N_r r of a damping switched on, in yaw alone."""
     m, found = demo
     kernel, few = compile_system(two_plate_system()), downsampled(m.series)[:4]
-    off = found.baseline.trial_values(kernel, few)
+    off = found.baseline.parameter_vectors_by_trial(kernel, few)
     on = [v.copy() for v in off]
     for v in on:
-        v[kernel.system.slot["linear_yaw_damping.N_r"]] = 0.02
+        v[kernel.system.parameter_index["linear_yaw_damping.N_r"]] = 0.02
     noise = found.baseline.noise
     rates = [rts_smooth(f)[0][:, 5] for f in filter_all(kernel, few, on, noise)]
-    for force, r in zip(added_force(kernel, few, on, off, noise), rates, strict=True):
+    for force, r in zip(force_of_added_effects(kernel, few, on, off, noise), rates, strict=True):
         assert force[:, 2] == pytest.approx(-0.02 * r, abs=2e-5)
         assert np.abs(force[:, :2]).max() < 2e-4
 
@@ -227,7 +230,9 @@ def test_displacements_are_found_where_and_when_they_are(
     kernel, few = compile_system(two_plate_system()), downsampled(published_model_study.series)
     few[2] = _displaced_pose(few[2], np.array([-0.005, 0.006]))
     tuned = fit_all_trials(few)
-    found = detect_displacements(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
+    found = detect_displacements(
+        kernel, few, tuned.parameter_vectors_by_trial(kernel, few), tuned.noise
+    )
     assert [d.trial for d in found] == [few[2].name]
     assert found[0].time_s == pytest.approx(few[2].times[len(few[2].times) // 2], abs=0.11)
     assert found[0].size_m == pytest.approx([-0.005, 0.006], abs=0.002)
@@ -259,14 +264,19 @@ def test_keypoints_that_drift_in_one_trial_are_reported(
     kernel, few = compile_system(two_plate_system()), downsampled(published_model_study.series)
     tuned = fit_all_trials(few)
     assert (
-        trial_with_camera_drift(kernel, few, tuned.trial_values(kernel, few), tuned.noise) is None
+        trial_with_camera_drift(
+            kernel, few, tuned.parameter_vectors_by_trial(kernel, few), tuned.noise
+        )
+        is None
     )
     since = few[3].times - few[3].times[0]
     seen = few[3].seen.copy()
     seen[:, :2] += np.outer(since / since[-1], [0.05, -0.06])
     few[3] = replace(few[3], seen=seen)
     tuned = fit_all_trials(few)
-    drift = trial_with_camera_drift(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
+    drift = trial_with_camera_drift(
+        kernel, few, tuned.parameter_vectors_by_trial(kernel, few), tuned.noise
+    )
     assert drift is not None
     assert drift.trial == few[3].name
     assert np.all(np.abs(drift.size_m - [0.05, -0.06]) < 4 * drift.std_m + 0.02)
@@ -300,7 +310,7 @@ def test_a_lag_begins_each_stretch_where_the_filter_had_it(
 ) -> None:
     m, found = demo
     kernel, base = compile_system(two_plate_system()), found.baseline.base.copy()
-    base[kernel.system.slot["lift_lag.lagging_share"]] = 0.8
+    base[kernel.system.parameter_index["lift_lag.lagging_share"]] = 0.8
     lagging = replace(found.baseline, base=base)
     turning = next(s for s, t in zip(m.series, m.study.trials, strict=True) if t.head_angle_deg)
     first, second, *_ = trial_segments(kernel, lagging, [turning], 2.0)
@@ -332,7 +342,7 @@ def test_missing_trials_are_a_fault(tmp_path: Path) -> None:
     from bluekoi.campaign import Campaign
     from bluekoi.stages.tuning import campaign_series
     from bluekoi.study import load_study
-    from bluekoi.synthetic.campaign import write_study_files
+    from bluekoi.synthetic.study_rendering import write_study_files
 
     write_study_files(published_model_design(), tmp_path, source="keypoints/{}.csv", fps=30.0)
     with pytest.raises(InputError, match="no trial with a track"):
@@ -359,8 +369,8 @@ def test_only_placed_keypoints_are_seen_from_the_nose(
 
     def ahead(source: str) -> np.ndarray:
         for one in m.series:
-            layout.detection(one.name).parent.mkdir(parents=True, exist_ok=True)
-            layout.detection(one.name).write_text(json.dumps({"source": source}))
+            layout.detection_status(one.name).parent.mkdir(parents=True, exist_ok=True)
+            layout.detection_status(one.name).write_text(json.dumps({"source": source}))
         series = with_keypoint_distances_from_nose(m.series, layout)
         return np.array([s.constants[slots.index("ahead")] for s in series])
 
@@ -469,9 +479,9 @@ def test_noise_is_left_where_the_filter_runs_away(
         downsampled(m.series)[:3],
         found.baseline,
     )
-    wild = [v.copy() for v in baseline.trial_values(kernel, few)]
+    wild = [v.copy() for v in baseline.parameter_vectors_by_trial(kernel, few)]
     for v in wild:
-        v[kernel.system.slot["tail_fin_lift.lift_area"]] = 5.0
+        v[kernel.system.parameter_index["tail_fin_lift.lift_area"]] = 5.0
     assert not all(np.isfinite(f.log_likelihood)
                    for f in filter_all(kernel, few, wild, baseline.noise))  # fmt: skip
     assert estimate_noise_model(kernel, few, wild, baseline.noise).noise is baseline.noise
@@ -482,9 +492,9 @@ def test_a_trial_in_which_a_model_runs_away_is_not_proposed(
 ) -> None:
     m, found = demo
     kernel = compile_system(two_plate_system())
-    fitted = found.baseline.trial_values(kernel, downsampled(m.series)[:1])[0]
+    fitted = found.baseline.parameter_vectors_by_trial(kernel, downsampled(m.series)[:1])[0]
     wild = fitted.copy()
-    wild[kernel.system.slot["tail_fin_lift.lift_area"]] = 5.0
+    wild[kernel.system.parameter_index["tail_fin_lift.lift_area"]] = 5.0
     hz = {"50": 2.0, "100": 4.0}
     pool = m.study.setup.pool
     apart = best_next_trial(m.study, kernel, fitted, wild, hz)["apart_mm"]
@@ -496,9 +506,9 @@ def test_a_condition_that_was_filmed_is_not_proposed(
 ) -> None:
     m, found = demo
     kernel = compile_system(two_plate_system())
-    fitted = found.baseline.trial_values(kernel, downsampled(m.series)[:1])[0]
+    fitted = found.baseline.parameter_vectors_by_trial(kernel, downsampled(m.series)[:1])[0]
     stronger = fitted.copy()
-    stronger[kernel.system.slot["C_T"]] *= 1.2
+    stronger[kernel.system.parameter_index["C_T"]] *= 1.2
     filmed = {(t.power_pct, abs(t.head_angle_deg)) for t in m.study.trials}
     assert (100.0, 15.0) not in filmed
     best = best_next_trial(m.study, kernel, fitted, stronger, {"50": 2.0, "100": 4.0})
@@ -645,12 +655,12 @@ def test_the_drift_of_the_flapping_frequency_is_measured_in_each_trial(
 
 def test_a_clock_drifts_only_where_a_motor_log_is_compared_with_it() -> None:
     """Without one, a tail beat that drifts is the motor's."""
-    candidates = candidates_by_effect_name(
+    candidates = candidates_from_effects(
         two_plate_system(), ["clock_error", "battery_sag"], PriorInclusionProbabilities()
     )
     for source, has_drift in (("motor_log", True), ("flap_hz", False)):
         measured = with_clock_measurement(*clock_series([-0.02] * 9, source))
-        clock, sag = with_constant_clock_error(candidates, measured)
+        clock, sag = candidates_with_constant_clock_error(candidates, measured)
         assert ("clock_error.drift" in {f.name for f in clock.forms}) == has_drift
         assert sag in candidates
 
@@ -740,14 +750,14 @@ def test_turns_to_one_side_cannot_name_a_difference_between_the_sides(
     one_side = [s for s in m.series if np.median(s.inputs[:, 0]) > -0.02]
     assert 2 <= len(one_side) < len(m.series)
     for series, judged in ((one_side, False), (m.series, True)):
-        problem = robot_problem(
+        problem = robot_cause_search_problem(
             compile_system(two_plate_system()),
             series,
             found.baseline,
             displaced=(),
             progress=lambda _: None,
         )
-        assert ("port_starboard_asymmetry" in problem.by_name) is judged
+        assert ("port_starboard_asymmetry" in problem.candidate_by_name) is judged
         texts = undetermined_cause_warnings(compile_system(two_plate_system()).system, series)
         assert [t.split()[0] for t in texts] == ["port_starboard_asymmetry"] * (not judged)
 
@@ -771,7 +781,7 @@ def test_a_homography_may_shrink_positions_by_what_the_uncorrected_depth_costs(
     """
     m, found = demo
     problems = [
-        robot_problem(
+        robot_cause_search_problem(
             compile_system(two_plate_system()),
             m.series[:2],
             found.baseline,

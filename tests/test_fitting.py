@@ -26,7 +26,7 @@ from bluekoi.fitting import (
 from bluekoi.fitting.bootstrap import parametric_bootstrap
 from bluekoi.fitting.bounded_step import bounded_step
 from bluekoi.fitting.gram import add_whitened_column_products
-from bluekoi.fitting.linear import linearised, log_likelihood, log_likelihood_gradient
+from bluekoi.fitting.linear import linearised_filter, log_likelihood, log_likelihood_gradient
 from bluekoi.fitting.trial_effects import sample_trial_effects
 from bluekoi.integrate import Stage, compile_system
 from mass_model import SYSTEM
@@ -52,7 +52,7 @@ def first_order_covariance(sigma: float, tau: float, times: np.ndarray) -> np.nd
 @pytest.mark.parametrize("step_s", [0.02, 0.1, 0.3])
 def test_lasting_errors_have_the_exact_likelihood(step_s: float) -> None:
     rng = np.random.default_rng(1)
-    kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.0})
+    kernel, values = compile_system(SYSTEM), SYSTEM.parameter_vector({"c": 0.0})
     times = step_s * np.arange(40)
     noise = Noise(np.array([0.0, 0.01]), np.array([0.3, 0.2]), np.ones(1))
     cov = first_order_covariance(0.01, 0.2, times) + WHITE_STD**2 * np.eye(40)
@@ -65,7 +65,7 @@ def test_lasting_errors_have_the_exact_likelihood(step_s: float) -> None:
 
 def test_whitened_errors_are_white() -> None:
     rng = np.random.default_rng(2)
-    kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.0})
+    kernel, values = compile_system(SYSTEM), SYSTEM.parameter_vector({"c": 0.0})
     noise = Noise(np.array([0.0, 0.01]), np.array([0.3, 0.2]), np.ones(1))
     n = 4000
     root = np.linalg.cholesky(first_order_covariance(0.01, 0.2, STEP_S * np.arange(n)))
@@ -77,7 +77,7 @@ def test_whitened_errors_are_white() -> None:
 
 def test_fit_noise_finds_force_error_and_white_noise() -> None:
     rng = np.random.default_rng(3)
-    kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.5})
+    kernel, values = compile_system(SYSTEM), SYSTEM.parameter_vector({"c": 0.5})
     n, true = 400, Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
     trials = [make_series(_randomly_pushed(rng, n, true)) for _ in range(12)]
     first = Noise(np.array([0.15, 0.004]), np.array([0.5, 0.3]), np.full(1, 2.0))
@@ -115,19 +115,21 @@ def test_the_noise_of_every_observation_is_estimated_but_where_it_is_stated(
     )  # fmt: skip
     first = Noise(np.array([1e-3]), np.array([0.5]), np.ones(4), fixed_scales=stated)
     kernel = compile_system(system)
-    found = estimate_noise_model(kernel, [one], [system.values({})], first, rounds=20).noise
+    found = estimate_noise_model(
+        kernel, [one], [system.parameter_vector({})], first, rounds=20
+    ).noise
     assert found.scale == pytest.approx(expected, rel=0.15)
 
 
 def test_likelihood_around_a_path_is_that_of_a_new_pass() -> None:
     """The one-mass model is linear, so both agree but for steps of integration."""
     rng = np.random.default_rng(4)
-    kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.5})
+    kernel, values = compile_system(SYSTEM), SYSTEM.parameter_vector({"c": 0.5})
     path = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
     trials = [make_series(_randomly_pushed(rng, 100, path)) for _ in range(3)]
     trials[1].seen[20:30] = np.nan
     trials[2] = replace(trials[2], force_size=1.7)
-    linear = linearised(kernel, trials, [values] * 3, path)
+    linear = linearised_filter(kernel, trials, [values] * 3, path)
 
     def passed(noise: Noise) -> float:
         return sum(filter_series(kernel, t, values, noise).log_likelihood for t in trials)
@@ -143,7 +145,7 @@ def test_likelihood_around_a_path_is_that_of_a_new_pass() -> None:
 
 def test_the_force_size_of_a_trial_scales_its_random_forces_alone() -> None:
     rng = np.random.default_rng(4)
-    kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.5})
+    kernel, values = compile_system(SYSTEM), SYSTEM.parameter_vector({"c": 0.5})
     force, error = 0.05, 0.012
     tau, scale = np.array([0.5, 0.15]), np.ones(1)
     trial = make_series(_randomly_pushed(rng, 100, Noise(np.array([force, error]), tau, scale)))
@@ -166,12 +168,12 @@ def test_the_force_size_of_a_trial_scales_its_random_forces_alone() -> None:
 
 def test_slopes_of_the_likelihood_are_its_differences() -> None:
     rng = np.random.default_rng(14)
-    kernel, values = compile_system(SYSTEM), SYSTEM.values({"c": 0.5})
+    kernel, values = compile_system(SYSTEM), SYSTEM.parameter_vector({"c": 0.5})
     path = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
     trials = [make_series(_randomly_pushed(rng, n, path)) for n in (60, 100, 80)]
     trials[1].seen[20:30] = np.nan
     trials[2] = replace(trials[2], force_size=1.7)
-    linear = linearised(kernel, trials, [values] * 3, path)
+    linear = linearised_filter(kernel, trials, [values] * 3, path)
     numbers = np.array([0.07, 0.009, 0.4, 0.2, 1.2])
 
     def noise(x: np.ndarray) -> Noise:
@@ -215,7 +217,7 @@ def test_what_is_plausible_beforehand_counts_once_for_all_trials() -> None:
     unseen = [replace(make_series(np.full(20, np.nan)), name=str(k)) for k in range(5)]
     noise = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
     found = fit_parameters_jointly(
-        kernel, unseen, system.values({}), [FreeParameter("c")], noise, start={"c": 0.8}
+        kernel, unseen, system.parameter_vector({}), [FreeParameter("c")], noise, start={"c": 0.8}
     )
     assert found.values[0] == pytest.approx(known.start, abs=1e-3 * 0.2)
     assert found.naive_cov[0, 0] == pytest.approx(0.2**2, rel=1e-6)
@@ -226,7 +228,7 @@ def test_a_fit_takes_its_last_step_and_reports_its_gain() -> None:
     true = Noise(np.array([0.05, 0.0]), np.array([0.5, 0.15]), np.ones(1))
     kernel = compile_system(SYSTEM)
     trials = [replace(make_series(_randomly_pushed(rng, 200, true)), name=str(k)) for k in range(6)]
-    base, free = SYSTEM.values({}), [FreeParameter("c")]
+    base, free = SYSTEM.parameter_vector({}), [FreeParameter("c")]
     held = filter_all(kernel, trials, [base] * 6, true)
     exact = fit_parameters_jointly(kernel, trials, base, free, true, tolerance=1e-6, predictor=held)
     std = exact.naive_cov[0, 0] ** 0.5
@@ -245,7 +247,7 @@ def test_the_slope_of_the_likelihood_holds_where_trials_differ_widely() -> None:
     rng = np.random.default_rng(6)
     noise = Noise(np.array([0.05, 0.0]), np.array([0.5, 0.15]), np.ones(1),
                   trial_effects=(TrialEffect("c", 0.1),))  # fmt: skip
-    kernel, base = compile_system(SYSTEM), SYSTEM.values({})
+    kernel, base = compile_system(SYSTEM), SYSTEM.parameter_vector({})
     trials = [replace(make_series(_randomly_pushed(rng, 100, noise, drag)), name=str(k))
               for k, drag in enumerate([0.1, 0.3, 0.6, 1.5])]  # fmt: skip
     held = filter_all(kernel, trials, [base] * 4, noise)

@@ -12,10 +12,10 @@ from PIL.ExifTags import Base
 
 from bluekoi.errors import InputError
 from bluekoi.footage import frames, open_recording
-from bluekoi.footage.image_recording import picture_numbers
+from bluekoi.footage.image_sequence import frame_numbers_from_file_names
 from bluekoi.footage.picture_sizes import picture_size_px
 from bluekoi.preparation.input_check import check_files, file_findings, recording_warnings
-from bluekoi.stages.freshness import file_states
+from bluekoi.stages.freshness import file_fingerprints
 from bluekoi.stages.keypoints import unreadable_frames_remark
 from bluekoi.study import Study, StudySettings, missing_files
 from bluekoi.study.image_files import expand_source
@@ -82,10 +82,10 @@ def test_what_cannot_be_opened_is_refused(folder, name, fps, text):
 
 def test_the_state_of_many_pictures_changes_with_one_of_them(folder):
     paths = expand_source(folder, "T1/frame_*.png") * 2
-    before = file_states(paths)
+    before = file_fingerprints(paths)
     cv2.imwrite(str(paths[3]), np.full((60, 80), 99, np.uint8))
     assert len(before) == 1
-    assert file_states(paths) != before
+    assert file_fingerprints(paths) != before
 
 
 def test_links_are_followed_and_absolute_paths_taken(folder, tmp_path_factory):
@@ -147,7 +147,7 @@ def test_missing_pictures_leave_a_gap_and_not_a_shorter_recording(folder):
     ],
 )
 def test_numbers_in_names_count_frames_where_most_are_there(names, numbers):
-    assert picture_numbers([Path(f"{name}.png") for name in names]) == numbers
+    assert frame_numbers_from_file_names([Path(f"{name}.png") for name in names]) == numbers
 
 
 def picture_study(folder, source="T1/frame_*.png"):

@@ -15,7 +15,7 @@ from scipy.optimize import fsolve
 from scipy.spatial.transform import Rotation
 from study_files import assert_same_files
 
-from bluekoi.camera import map_keypoints, place_by_pixel_jacobian, pool_camera
+from bluekoi.camera import map_keypoints, pixel_to_pool_jacobian, pool_camera
 from bluekoi.cli import main
 from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial
 from bluekoi.motor import flapping_from_log
@@ -275,7 +275,7 @@ def test_the_measured_path_of_a_null_is_the_true_one_within_the_label_noise(made
         labels = read_keypoints_of_trial(study.paths(trial)[0], trial)
         read = map_keypoints(camera, labels, depth)
         gap = read.part("core_center") - true.state[:2, i, : len(read.time_s)].T
-        slope = place_by_pixel_jacobian(camera, labels.part("core_center"), depth)
+        slope = pixel_to_pool_jacobian(camera, labels.part("core_center"), depth)
         gaps.extend(np.linalg.solve(slope, gap[..., None])[..., 0])
         pose, phi = rigid_pose(read, study.setup.robot, trial.head_length_m), true.phi[i, 0]
         assert np.nanmedian(pose.values[:, 3]) == pytest.approx(phi, abs=0.01)

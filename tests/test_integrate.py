@@ -13,8 +13,13 @@ from bluekoi.integrate import LANES, System, compile_system
 from bluekoi.integrate.batch import simulate_batch, threaded_map
 from bluekoi.integrate.branchless import branchless_power, exponential
 from bluekoi.integrate.inlining import InlinedCode, inlined_expressions
-from bluekoi.integrate.writing import kernel_source
-from bluekoi.model import PUBLISHED_FLAP_HZ, TABLE_1, constants_of_robot_trial, two_plate_system
+from bluekoi.integrate.kernel_code_generation import kernel_source
+from bluekoi.model import (
+    PUBLISHED_FLAP_HZ,
+    TABLE_1,
+    constants_of_robot_trial,
+    two_plate_system,
+)
 from paper_robot import PAPER_SETUP
 from pendulum import PENDULUM
 
@@ -135,7 +140,7 @@ def turn_commands(power: int) -> tuple[np.ndarray, np.ndarray]:
 
 def turning_robot(effects: dict[str, dict[str, float]], start: Sequence[float]) -> np.ndarray:
     inputs, fixed = turn_commands(75)
-    values = two_plate_system().values(TABLE_1[75], effects)
+    values = two_plate_system().parameter_vector(TABLE_1[75], effects)
     return simulate_first_lane(two_plate_system(), values, inputs, fixed, start=start)
 
 
@@ -166,11 +171,17 @@ def test_effects_that_change_the_command_reach_what_is_held() -> None:
     """A head that is set off by 5 degrees turns like one that was commanded so."""
     fixed, values = constants_of_robot_trial(PAPER_SETUP, 0.12), TABLE_1[75]
     inputs = np.tile([math.radians(30), 4.02], (241, 1))
-    off = two_plate_system().values(values, {"head_angle_offset": {"offset": math.radians(5)}})
+    off = two_plate_system().parameter_vector(
+        values, {"head_angle_offset": {"offset": math.radians(5)}}
+    )
     set_off = simulate_first_lane(two_plate_system(), off, inputs, fixed, start=[0.0] * 6)
     inputs[:, 0] += math.radians(5)
     reported = simulate_first_lane(
-        two_plate_system(), two_plate_system().values(values), inputs, fixed, start=[0.0] * 6
+        two_plate_system(),
+        two_plate_system().parameter_vector(values),
+        inputs,
+        fixed,
+        start=[0.0] * 6,
     )
     assert set_off[:, :6] == pytest.approx(reported[:, :6], abs=1e-10)
 
@@ -178,7 +189,7 @@ def test_effects_that_change_the_command_reach_what_is_held() -> None:
 def test_accuracy_over_eight_seconds_of_a_schedule() -> None:
     """Below 0.1 mm and 0.05 degrees at 1/60 s, against the same at 1/1920 s."""
     inputs, fixed = turn_commands(100)
-    values = two_plate_system().values(TABLE_1[100])
+    values = two_plate_system().parameter_vector(TABLE_1[100])
     start = (0.3, 0.4, 0.2, 0.0, 0.0, 0.0)
     coarse, fine = (
         simulate_first_lane(two_plate_system(), values, inputs, fixed, start=start, step_s=s)

@@ -8,12 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.camera.displaced_session_parts import displacements_by_part
-from bluekoi.camera.displacement_field import DisplacementField, without_displacements
-from bluekoi.camera.keypoint_displacement import keypoint_displacements, shows_displacements
-from bluekoi.camera.length_warnings import length_warnings
+from bluekoi.camera.displacement_change_point import displacements_by_session_part
+from bluekoi.camera.keypoint_displacement import (
+    displacements_identifiable,
+    estimate_keypoint_displacements,
+)
+from bluekoi.camera.keypoint_displacement_field import (
+    KeypointDisplacementField,
+    remove_keypoint_displacements,
+)
 from bluekoi.camera.rigid_distances import rigid_distances
-from bluekoi.data import Positions, read_pose
+from bluekoi.camera.rigid_length_warnings import rigid_length_warnings
+from bluekoi.data import KeypointPositions, read_pose
 from bluekoi.files import write_json
 from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial, write_keypoints_csv
 from bluekoi.mismatch.displaced_keypoints import with_keypoint_bias_cause
@@ -21,7 +27,7 @@ from bluekoi.stages.geometry import geometry
 from bluekoi.stages.keypoint_errors import keypoint_errors
 from bluekoi.stages.keypoint_errors_file import NO_ERRORS, displacements_of_trial
 from bluekoi.stages.keypoints import keypoints
-from bluekoi.stages.layout import ResultPaths
+from bluekoi.stages.result_paths import ResultPaths
 from bluekoi.stages.tracks import tracks
 from bluekoi.study import Robot, load_study
 from small_studies import SMALL_STUDY_TRIALS, small_study
@@ -37,7 +43,7 @@ EMPTY_VERDICT = {"verdict": "none", "sentence": "Nothing.", "causes": [], "rival
                  "probabilities": {"keypoint_bias": 0.01}}  # fmt: skip
 
 
-def circle_with_noise(head_angle_rad: float, seed: int, std_m: float = 0.001) -> Positions:
+def circle_with_noise(head_angle_rad: float, seed: int, std_m: float = 0.001) -> KeypointPositions:
     """Five seconds of a robot on a circle; straight, in a direction of its own, without a head
     angle.
     """
@@ -51,22 +57,24 @@ def circle_with_noise(head_angle_rad: float, seed: int, std_m: float = 0.001) ->
     points = np.stack([tip, hinge, center, tail], axis=1)
     xy = np.stack([points.real, points.imag], axis=2) + rng.normal(0.0, std_m, (len(t), 4, 2))
     cov = np.broadcast_to(std_m**2 * np.eye(2), (len(t), 4, 2, 2))
-    return Positions(t, PARTS, xy, cov, np.ones((len(t), 4)))
+    return KeypointPositions(t, PARTS, xy, cov, np.ones((len(t), 4)))
 
 
-def circles(seed: int, std_m: float = 0.001) -> list[Positions]:
+def circles(seed: int, std_m: float = 0.001) -> list[KeypointPositions]:
     return [circle_with_noise(a, 100 * seed + k, std_m) for k, a in enumerate(HEAD_ANGLES_RAD)]
 
 
 def displaced_by(
-    one: Positions, vector: tuple[float, float], *parts: str, parallax: float = 0.0
-) -> Positions:
+    one: KeypointPositions, vector: tuple[float, float], *parts: str, parallax: float = 0.0
+) -> KeypointPositions:
     """With `parts` displaced by a vector and away from `CAMERA_M`, the point below the camera."""
     moved = np.array([name in parts for name in one.names])[:, None]
     return replace(one, xy_m=one.xy_m + moved * (vector + parallax * (one.xy_m - CAMERA_M)))
 
 
-def circles_all_over_the_pool(trials: int, seed: int, std_m: float = 0.001) -> list[Positions]:
+def circles_all_over_the_pool(
+    trials: int, seed: int, std_m: float = 0.001
+) -> list[KeypointPositions]:
     places = np.random.default_rng(seed).uniform(-0.8, 0.8, (trials, 2))
     heads = np.resize(HEAD_ANGLES_RAD, trials)
     return [replace(one, xy_m=one.xy_m + place)
@@ -79,8 +87,8 @@ def vectors_m(found: dict) -> dict[str, tuple[float, float]]:
     return {name: (one.x_m, one.y_m) for name, one in found.items()}
 
 
-def found_in(trials: list[Positions]) -> dict:
-    return keypoint_displacements(trials, [0.12] * len(trials), ROBOT)
+def found_in(trials: list[KeypointPositions]) -> dict:
+    return estimate_keypoint_displacements(trials, [0.12] * len(trials), ROBOT)
 
 
 @pytest.mark.parametrize("part", PARTS)
@@ -116,7 +124,7 @@ def test_estimates_have_the_stated_standard_errors():
 def test_a_displacement_that_begins_within_the_session_is_found_with_its_trials():
     trials = [*circles(1), *circles(2), *circles(3)]
     late = [displaced_by(one, (0.015, 0.0), "hinge") for one in trials[8:]]
-    ((part, found),) = displacements_by_part([*trials[:8], *late], [0.12] * 18, ROBOT)
+    ((part, found),) = displacements_by_session_part([*trials[:8], *late], [0.12] * 18, ROBOT)
     assert part == range(8, 18)
     assert vectors_m(found)["hinge"] == pytest.approx((0.015, 0.0), abs=0.001)
 
@@ -125,7 +133,7 @@ def test_a_displacement_that_turns_round_has_two_parts():
     trials = [*circles(4), *circles(5), *circles(6)]
     moved = [displaced_by(one, (-0.01 if k < 9 else 0.01, 0.0), "tail_base")
              for k, one in enumerate(trials)]  # fmt: skip
-    found = displacements_by_part(moved, [0.12] * 18, ROBOT)
+    found = displacements_by_session_part(moved, [0.12] * 18, ROBOT)
     assert [part for part, _ in found] == [range(9), range(9, 18)]
     assert [vectors_m(one)["tail_base"][0] for _, one in found] == pytest.approx(
         [-0.01, 0.01], abs=0.001
@@ -135,9 +143,9 @@ def test_a_displacement_that_turns_round_has_two_parts():
 def test_a_lasting_displacement_has_one_part():
     trials = [*circles(7), *circles(8)]
     moved = [displaced_by(one, (0.02, 0.0), "hinge") for one in trials]
-    ((part, _),) = displacements_by_part(moved, [0.12] * 12, ROBOT)
+    ((part, _),) = displacements_by_session_part(moved, [0.12] * 12, ROBOT)
     assert part == range(12)
-    assert displacements_by_part(trials, [0.12] * 12, ROBOT) == []
+    assert displacements_by_session_part(trials, [0.12] * 12, ROBOT) == []
 
 
 @pytest.mark.parametrize("part", PARTS)
@@ -165,10 +173,10 @@ def test_vector_and_parallax_of_one_keypoint_are_found_together():
     trials = circles_all_over_the_pool(12, 2)
     moved = [displaced_by(one, (0.01, -0.02), "hinge", parallax=0.02) for one in trials]
     field = found_in(moved)["hinge"].field
-    truth = DisplacementField(0.01 - 0.02 * 1.5, -0.02 - 0.02 * 0.6, 0.02)
+    truth = KeypointDisplacementField(0.01 - 0.02 * 1.5, -0.02 - 0.02 * 0.6, 0.02)
     for one, exact in zip(moved, trials, strict=True):
         assert field.at(exact.xy_m) == pytest.approx(truth.at(exact.xy_m), abs=0.001)
-        corrected = without_displacements(one, {"hinge": field})
+        corrected = remove_keypoint_displacements(one, {"hinge": field})
         assert corrected.xy_m == pytest.approx(exact.xy_m, abs=0.001)
 
 
@@ -188,7 +196,7 @@ def test_a_parallax_that_changes_within_the_session_has_two_parts():
     trials = [*circles_all_over_the_pool(12, 3)] * 2
     moved = [displaced_by(one, (0.02, 0.0), "hinge", parallax=0.03 if k < 12 else 0.01)
              for k, one in enumerate(trials)]  # fmt: skip
-    found = displacements_by_part(moved, [0.12] * 24, ROBOT)
+    found = displacements_by_session_part(moved, [0.12] * 24, ROBOT)
     assert [part for part, _ in found] == [range(12), range(12, 24)]
     assert [one["hinge"].parallax for _, one in found] == pytest.approx([0.03, 0.01], abs=0.002)
 
@@ -227,7 +235,7 @@ def test_a_keypoint_displaced_on_the_body_is_not_displaced_in_the_pool():
             axis /= np.linalg.norm(axis, axis=1)[:, None]
             xy = one.xy_m.copy()
             xy[:, 2] += along * axis + across * np.column_stack([-axis[:, 1], axis[:, 0]])
-            trials.append(Positions(one.time_s, PARTS, xy, one.cov_m2, one.likelihood))
+            trials.append(KeypointPositions(one.time_s, PARTS, xy, one.cov_m2, one.likelihood))
         assert found_in(trials) == {}
 
 
@@ -238,7 +246,7 @@ def test_a_stretched_picture_displaces_no_keypoint():
         out = one.xy_m - middle
         radial = 1.0 + 0.03 * np.sum(out**2, axis=2, keepdims=True)
         trials.append(
-            Positions(one.time_s, PARTS, middle + out * radial, one.cov_m2, one.likelihood)
+            KeypointPositions(one.time_s, PARTS, middle + out * radial, one.cov_m2, one.likelihood)
         )
     assert found_in(trials) == {}
 
@@ -252,12 +260,12 @@ def test_straight_trials_in_one_direction_show_no_displacement():
 
 def test_two_keypoints_are_no_evidence():
     one = circle_with_noise(0.3, 1)
-    pair = Positions(one.time_s, PARTS[1:3], one.xy_m[:, 1:3], one.cov_m2[:, 1:3],
+    pair = KeypointPositions(one.time_s, PARTS[1:3], one.xy_m[:, 1:3], one.cov_m2[:, 1:3],
                      one.likelihood[:, 1:3])  # fmt: skip
     assert found_in([pair]) == {}
-    assert not shows_displacements(rigid_distances([pair], [0.12], ROBOT))
-    assert shows_displacements(rigid_distances([one], [0.12], ROBOT))
-    (warning,) = length_warnings({"keypoint_displacements_visible": False}, None)
+    assert not displacements_identifiable(rigid_distances([pair], [0.12], ROBOT))
+    assert displacements_identifiable(rigid_distances([one], [0.12], ROBOT))
+    (warning,) = rigid_length_warnings({"keypoint_displacements_visible": False}, None)
     assert "Label head tip, hinge" in warning
 
 
@@ -325,5 +333,5 @@ def test_a_file_of_an_earlier_version_has_no_parallax(tmp_path):
     part = {"trials": ["T10"], "keypoints": {"hinge": {"x_m": 0.01, "y_m": 0.0}}}
     write_json(layout.keypoint_errors, {**NO_ERRORS, "displacements": [part]})
     found = displacements_of_trial(study.trial("T10"), layout)
-    assert found == {"hinge": DisplacementField(0.01, 0.0, 0.0)}
+    assert found == {"hinge": KeypointDisplacementField(0.01, 0.0, 0.0)}
     assert displacements_of_trial(study.trial("T09"), layout) == {}

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from bluekoi.keypoints import NO_ROBOT_REMARK
-from bluekoi.keypoints.outline.absence import robot_not_found_reason
 from bluekoi.keypoints.outline.plane import SwimmingPlaneMap
+from bluekoi.keypoints.outline.robot_not_found import robot_not_found_reason
 from bluekoi.stages import tracks
 
 CORNERS = np.array([[10.0, 290.0], [390.0, 290.0], [390.0, 10.0], [10.0, 10.0]])

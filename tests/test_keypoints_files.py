@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from bluekoi.data import BODY_PART_NAMES, Keypoints, is_confident
 from bluekoi.errors import InputError
-from bluekoi.keypoints import deeplabcut, source_module, source_names
+from bluekoi.keypoints import deeplabcut, keypoint_source_module, keypoint_source_names
 from bluekoi.keypoints.files.noise import frame_to_frame_noise_std_px
 from bluekoi.study import Trial
 from keypoint_files import read_all_parts
@@ -48,10 +48,10 @@ def write_csv(path: Path, rows: list[list[str]]) -> Path:
 
 
 def test_sources_are_the_modules_of_the_folder():
-    assert {"deeplabcut", "sleap", "silhouette"} <= set(source_names())
-    assert source_module("deeplabcut") is deeplabcut
+    assert {"deeplabcut", "sleap", "silhouette"} <= set(keypoint_source_names())
+    assert keypoint_source_module("deeplabcut") is deeplabcut
     with pytest.raises(InputError, match="Did you mean 'silhouette'"):
-        source_module("silhouete")
+        keypoint_source_module("silhouete")
 
 
 def test_plain_csv(tmp_path):

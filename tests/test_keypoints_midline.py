@@ -177,7 +177,7 @@ def doubted_frames(fits: list[MidlineFit | None]) -> list[int]:
     """Frames in which a body alone, one body length long, is doubted."""
     shape, track = BendingTemplate(1.0, 0.1, np.zeros((56, 17)), 0.0), BodyFitHistory()
     for i, one in enumerate(fits):
-        track.add(i / 50, one)
+        track.append_frame(i / 50, one)
         record_doubtful_jump(track, shape)
     return sorted(track.unsure)
 
@@ -198,8 +198,8 @@ def test_a_body_alone_that_turns_suddenly_while_well_seen_is_not_doubted():
 def test_a_lost_body_is_searched_one_step_ahead_of_its_last_place(lost_frames):
     track = BodyFitHistory()
     for i, one in enumerate([make_fit(0.0), make_fit(0.2), *[None] * (lost_frames - 1)]):
-        track.add(i / 50, one)
-    expected = track.predicted((1 + lost_frames) / 50)
+        track.append_frame(i / 50, one)
+    expected = track.predicted_pose((1 + lost_frames) / 50)
     assert expected[0] == pytest.approx(0.4)
 
 

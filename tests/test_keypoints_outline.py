@@ -24,18 +24,18 @@ from bluekoi.keypoints.outline.background import (
 )
 from bluekoi.keypoints.outline.edges import edge_offset
 from bluekoi.keypoints.outline.ghost_removal import _write_unhidden_median
+from bluekoi.keypoints.outline.outline_stations import ACROSS_EDGE_PX, edge_blur_px
 from bluekoi.keypoints.outline.plane import swimming_plane_map
-from bluekoi.keypoints.outline.stations import ACROSS_EDGE_PX, edge_blur_px
 from bluekoi.keypoints.outline.tail_detection import tail_length
 from bluekoi.keypoints.outline.template import (
     initial_template,
     nan_median,
-    nose_loss_by_blur,
+    nose_edge_shift_by_blur,
     with_learned_outline,
 )
-from bluekoi.synthetic.design import picture_conditions_design
 from bluekoi.synthetic.optics import gopro_like_camera
 from bluekoi.synthetic.picture_conditions import PICTURE_CONDITIONS_BY_NAME
+from bluekoi.synthetic.synthetic_study_design import picture_conditions_design
 from bluekoi.synthetic.trial import frame_truth, solve_trial
 
 
@@ -113,7 +113,7 @@ def test_a_nose_is_seen_as_far_back_as_its_template_says(exponent, within):
         offsets.append(edge_offset((luma, floor), place, 60.0, np.empty((2, 17)))[0])
     lateral = np.array([0.0, 4.0, 8.0])
     axial = 10.0 - 1.5 * (lateral / 4.0) ** exponent
-    loss = nose_loss_by_blur(np.arctan2(lateral, axial), np.hypot(axial, lateral), 0.5)
+    loss = nose_edge_shift_by_blur(np.arctan2(lateral, axial), np.hypot(axial, lateral), 0.5)
     assert np.mean(offsets) == pytest.approx(-loss, abs=within)
 
 
@@ -124,7 +124,7 @@ def test_plane_agrees_with_independent_optics():
     plane = swimming_plane_map(setup_of_design(design))
     m, px = (truth[k].reshape(-1, 2) for k in ("keypoints_m", "keypoints_px"))
     length_m = design.tank.robot.body_length_m
-    assert np.abs(plane.pixels(m / length_m) - px).max() < 0.06
+    assert np.abs(plane.body_lengths_to_pixels(m / length_m) - px).max() < 0.06
     assert np.abs(plane.pixels_to_body_lengths(px) * length_m - m).max() < 2e-4
 
 
@@ -142,7 +142,7 @@ def test_the_plane_is_as_near_as_it_says_whatever_the_lens(lens):
         pool_camera(setup), np.column_stack([places, np.full(len(places), -0.04)])
     )
     length_m = setup.robot.body_length_m
-    assert np.abs(plane.pixels(places / length_m) - seen).max() < 0.06
+    assert np.abs(plane.body_lengths_to_pixels(places / length_m) - seen).max() < 0.06
     assert np.abs(plane.pixels_to_body_lengths(seen) * length_m - places).max() < 2e-4
 
 
@@ -217,14 +217,14 @@ def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length(
     wider = with_learned_outline(start, shift, np.full(shift.shape, 70.0))
     assert np.allclose(wider.half[5:-5], start.half[5:-5] + 0.006, atol=1.2e-3)
     assert wider.radii[0] == pytest.approx(start.radii[0], abs=1e-9)
-    points, normals, part, skin = wider.shape()
+    points, normals, part, skin = wider.outline_arrays()
     assert np.allclose(np.hypot(*normals.T), 1.0)
     assert points[part == 0, 0].max() == pytest.approx(
         trial.head_length_m / setup.robot.body_length_m
     )
     assert np.all(skin[2:-2] == 70.0)
     blurred = with_learned_outline(start, shift, np.full(shift.shape, 70.0), blur_bl=0.003)
-    loss = nose_loss_by_blur(start.angles, wider.radii, 0.003)
+    loss = nose_edge_shift_by_blur(start.angles, wider.radii, 0.003)
     assert wider.radii[0] - blurred.radii[0] == pytest.approx(loss, rel=0.1)
     assert len(points) == len(skin) == len(part) == wider.visible_stations().sum()
 

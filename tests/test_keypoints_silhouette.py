@@ -13,13 +13,13 @@ from bluekoi.data import BODY_PART_NAMES, Frame
 from bluekoi.errors import InputError
 from bluekoi.keypoints import markers, silhouette
 from bluekoi.keypoints.outline.ghost_removal import body_outline_px
-from bluekoi.keypoints.outline.movement import pictures_agree_with_movement
+from bluekoi.keypoints.outline.movement_check import frames_change_where_body_moved
 from bluekoi.keypoints.outline.plane import swimming_plane_map
 from bluekoi.study import StudySettings, Trial
-from bluekoi.synthetic.design import picture_conditions_design
 from bluekoi.synthetic.footage import render_frames
 from bluekoi.synthetic.optics import pool_corners
 from bluekoi.synthetic.picture_conditions import PICTURE_CONDITIONS_BY_NAME
+from bluekoi.synthetic.synthetic_study_design import picture_conditions_design
 from bluekoi.synthetic.trial import camera_of_design_at_time, frame_truth, solve_trial
 
 RIGID_KEYPOINTS = (0, 1, 2)
@@ -260,37 +260,37 @@ def test_an_empty_pool_has_no_robot():
 def test_a_template_that_slides_while_the_pictures_stay_as_they_are_is_on_no_body():
     """As along the straight dark rim of an empty pool, in a background bridged across it."""
     film, setup, trial, _ = rendered_trial("middle", LEFT)
-    scene, outline, _ = silhouette.learned_scene(
+    scene, outline, _ = silhouette.learn_scene_and_template(
         lambda: film, film, swimming_plane_map(setup), setup, trial
     )
     assert outline is not None
-    assert pictures_agree_with_movement(outline, scene)
+    assert frames_change_where_body_moved(outline, scene)
     first = outline.samples[0][0]
     slides = replace(outline, samples=tuple((first, fit) for _, fit in outline.samples))
     rests = replace(outline, samples=tuple((first, outline.samples[0][1]) for _ in range(3)))
-    assert not pictures_agree_with_movement(slides, scene)
-    assert pictures_agree_with_movement(rests, scene)
+    assert not frames_change_where_body_moved(slides, scene)
+    assert frames_change_where_body_moved(rests, scene)
 
 
 @pytest.mark.parametrize("ahead_bl", [0.05, 0.1])
 def test_a_body_that_moves_a_little_ahead_uncovers_the_floor(ahead_bl):
     """Behind it, its tail covers the floor; ahead, the body does."""
     film, setup, trial, _ = rendered_trial("middle", STRAIGHT, seconds=1.2)
-    scene, outline, _ = silhouette.learned_scene(
+    scene, outline, _ = silhouette.learn_scene_and_template(
         lambda: film, film, swimming_plane_map(setup), setup, trial
     )
     assert outline is not None
     frame, fit = outline.samples[0]
     ahead = np.array([np.cos(fit.pose[2]), np.sin(fit.pose[2]), 0.0, 0.0]) * ahead_bl
     moved = replace(fit, pose=fit.pose + ahead)
-    contrast = scene.floor.astype(float) - outline.template.skin
+    contrast = scene.floor.astype(float) - outline.template.core_grey_level
     pictures = []
     for one in (fit, moved):
         body = np.zeros(scene.floor.shape)
         cv2.fillPoly(body, [body_outline_px(one, scene, outline.template)], 0.4)
         shown = scene.floor - cv2.GaussianBlur(body, (0, 0), 1.0) * contrast
         pictures.append((replace(frame, luma=shown.round().astype(np.uint8)), one))
-    assert pictures_agree_with_movement(replace(outline, samples=tuple(pictures)), scene)
+    assert frames_change_where_body_moved(replace(outline, samples=tuple(pictures)), scene)
 
 
 def test_a_nudged_camera_is_reported_and_a_still_one_is_not():

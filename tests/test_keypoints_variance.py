@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bluekoi.keypoints.outline.variance import (
+from bluekoi.keypoints.outline.outline_fit_covariance import (
     covariance_kernels,
     frame_quadratic_forms,
     kernel_variance_components,

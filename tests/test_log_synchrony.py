@@ -5,8 +5,8 @@ import pytest
 
 from bluekoi.motor.log_synchrony import (
     lag_deviations_from_majority,
+    lag_groups_of_repeats,
     log_synchrony_warnings,
-    repeats_with_several_lags,
 )
 from bluekoi.study import Trial
 
@@ -83,7 +83,7 @@ def test_logs_that_are_late_in_half_of_the_trials_are_named():
     late = np.tile([0, 0, 0, 1, 1, 1, 1, 1], 3)
     late[16:] = [0, 0, 0, 1, 1, 0, 0, 0]
     lag = np.angle(np.exp(1j * (2.07 - 2 * np.pi * 0.4 * late * hz)))
-    found = repeats_with_several_lags(hz, lag)
+    found = lag_groups_of_repeats(hz, lag)
     assert [(g.largest.tolist(), g.second.tolist(), g.others.tolist()) for g in found] == [
         ([11, 12, 13, 14, 15], [8, 9, 10], []), ([16, 17, 18, 21, 22, 23], [19, 20], []),
     ]  # fmt: skip
@@ -114,8 +114,8 @@ def test_one_delay_of_all_logs_gives_no_groups():
     rng = np.random.default_rng(1)
     hz = np.repeat([1.6, 2.35, 4.0], 6)
     lag = np.angle(np.exp(1j * (2.0 + 2 * np.pi * 0.2 * hz + rng.normal(0, 0.1, 18))))
-    assert repeats_with_several_lags(hz, lag) == []
-    assert repeats_with_several_lags(np.zeros(0), np.zeros(0)) == []
+    assert lag_groups_of_repeats(hz, lag) == []
+    assert lag_groups_of_repeats(np.zeros(0), np.zeros(0)) == []
 
 
 def test_single_arbitrary_lags_rarely_make_a_group():
@@ -124,5 +124,5 @@ def test_single_arbitrary_lags_rarely_make_a_group():
     lags = rng.normal(0.0, 0.02, (draws, 12))
     arbitrary = rng.random(lags.shape) < 0.02
     lags[arbitrary] = rng.uniform(-np.pi, np.pi, arbitrary.sum())
-    found = sum(bool(repeats_with_several_lags(np.full(12, 2.0), lag)) for lag in lags)
+    found = sum(bool(lag_groups_of_repeats(np.full(12, 2.0), lag)) for lag in lags)
     assert found < 0.01 * draws

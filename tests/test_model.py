@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bluekoi.integrate.dependence import stage_arguments
+from bluekoi.integrate.stage_dependencies import stage_arguments
 from bluekoi.model import (
     PUBLISHED_FLAP_HZ,
     TABLE_1,
@@ -20,8 +20,8 @@ from bluekoi.model import (
     steady_speed_and_radius,
     two_plate_system,
 )
-from bluekoi.model.plates import EQUATION_OF_MOTION_STAGES
-from bluekoi.observation import constant_names
+from bluekoi.model.two_plate_model import EQUATION_OF_MOTION_STAGES
+from bluekoi.observation import camera_error_constant_names
 from bluekoi.tuning import straight_swimming_growth_per_s
 from paper_robot import PAPER_SETUP
 
@@ -60,8 +60,14 @@ def published_rates_in_world_axes(
 @pytest.mark.parametrize("power", [50, 75, 100])
 def test_compiled_model_follows_the_printed_equations(power: int) -> None:
     phi = math.radians(45)
-    run = simulate(TABLE_1[power], setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=phi,
-                   flap_hz=PUBLISHED_FLAP_HZ[power], duration_s=8.0)  # fmt: skip
+    run = simulate(
+        TABLE_1[power],
+        setup=PAPER_SETUP,
+        head_length_m=0.12,
+        head_angle_rad=phi,
+        flap_hz=PUBLISHED_FLAP_HZ[power],
+        duration_s=8.0,
+    )
     exact = solve_ivp(published_rates, (0, 8), [0, 0, -phi, 0, 0, 0], args=(power, phi),
                       method="DOP853", rtol=1e-10, atol=1e-12, t_eval=[8.0])  # fmt: skip
     assert np.abs(run.state[-1, :2] - exact.y[:2, 0]).max() < 1e-4
@@ -70,9 +76,16 @@ def test_compiled_model_follows_the_printed_equations(power: int) -> None:
 
 def test_order_of_convergence_is_four() -> None:
     def end(dt: float) -> np.ndarray:
-        return simulate(TABLE_1[75], setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=0.6,
-                        flap_hz=4.02, duration_s=4.0, dt_s=dt, start=(0, 0, 0, 0.1, 0, 0)
-                        ).state[-1]  # fmt: skip
+        return simulate(
+            TABLE_1[75],
+            setup=PAPER_SETUP,
+            head_length_m=0.12,
+            head_angle_rad=0.6,
+            flap_hz=4.02,
+            duration_s=4.0,
+            dt_s=dt,
+            start=(0, 0, 0, 0.1, 0, 0),
+        ).state[-1]
 
     fine = end(1 / 960)
     errors = [np.abs(end(1 / n) - fine).max() for n in (60, 120)]
@@ -136,16 +149,31 @@ def test_audit_5_straight_swimming_is_unstable_and_a_fin_steadies_it() -> None:
 
 def test_turns_mirror() -> None:
     runs = [
-        simulate(TABLE_1[75], setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=s * 0.5,
-                 flap_hz=4.0, duration_s=4.0, effects=FIN_PARAMETERS) for s in (1, -1)]  # fmt: skip
+        simulate(
+            TABLE_1[75],
+            setup=PAPER_SETUP,
+            head_length_m=0.12,
+            head_angle_rad=s * 0.5,
+            flap_hz=4.0,
+            duration_s=4.0,
+            effects=FIN_PARAMETERS,
+        )
+        for s in (1, -1)
+    ]
     assert runs[0].state[:, 0] == pytest.approx(runs[1].state[:, 0], abs=1e-9)
     assert runs[0].state[:, 1] == pytest.approx(-runs[1].state[:, 1], abs=1e-9)
     assert runs[0].state[-1, 5] < 0
 
 
 def test_straight_head_swims_exactly_straight() -> None:
-    run = simulate(TABLE_1[100], setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=0.0,
-                   flap_hz=5.82, duration_s=8.0)  # fmt: skip
+    run = simulate(
+        TABLE_1[100],
+        setup=PAPER_SETUP,
+        head_length_m=0.12,
+        head_angle_rad=0.0,
+        flap_hz=5.82,
+        duration_s=8.0,
+    )
     assert np.all(run.state[:, 1] == 0)
 
 
@@ -160,7 +188,7 @@ def test_no_equation_of_motion_depends_on_how_the_robot_is_seen() -> None:
     asked = {
         name for stage in EQUATION_OF_MOTION_STAGES for name in stage_arguments(stage, physics)
     }
-    assert not asked & set(constant_names())
+    assert not asked & set(camera_error_constant_names())
 
 
 def test_a_swim_is_simulated_without_a_camera() -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.data import FlappingFrequency, Positions
+from bluekoi.data import FlappingFrequency, KeypointPositions
 from bluekoi.errors import InputError
 from bluekoi.motor import (
     common_clock_ratio,
@@ -233,7 +233,7 @@ def positions_with_tail_angles(t, tail):
     xy = np.stack([core, core - 0.08 * back, core - 0.08 * back - 0.066 * flick], axis=1)
     cov = np.tile(1e-6 * np.eye(2), (frames, 3, 1, 1))
     names = ("core_center", "tail_base", "tail_tip")
-    return Positions(t, names, xy, cov, np.ones((frames, 3)))
+    return KeypointPositions(t, names, xy, cov, np.ones((frames, 3)))
 
 
 @pytest.mark.parametrize("hz", [2.37, 5.82, 11.0])
@@ -298,7 +298,7 @@ def test_tail_beat_follows_the_motor_through_spin_up():
     course = 0.4 * seen.time_s + tail
     xy = seen.xy_m.copy()
     xy[:, 2] = xy[:, 1] - 0.066 * np.column_stack([np.cos(course), np.sin(course)])
-    warped = Positions(seen.time_s, seen.names, xy, seen.cov_m2, seen.likelihood)
+    warped = KeypointPositions(seen.time_s, seen.names, xy, seen.cov_m2, seen.likelihood)
     found, _ = tail_beat_from_video(warped, 4.0, flapping=motor)
     assert found == pytest.approx(4.0, rel=0.004)
 

@@ -35,7 +35,7 @@ def test_radii_and_speeds_rebuilt_from_tables_1_and_2(published) -> None:
 
 
 def test_one_set_makes_the_radius_independent_of_power() -> None:
-    values = two_plate_system().values(TABLE_1[75])[None]
+    values = two_plate_system().parameter_vector(TABLE_1[75])[None]
     radii = steady_states(turn_and_straight_conditions(PAPER_SETUP)[:9], values).radius_m.reshape(
         3, 3
     )
@@ -81,7 +81,10 @@ def test_straight_swimming_without_and_with_the_second_plate(power: int) -> None
         TABLE_1[power], setup=PAPER_SETUP, flap_hz=PUBLISHED_FLAP_HZ[power]
     )
     with_fin = straight_swimming_growth_per_s(
-        TABLE_1[power], setup=PAPER_SETUP, flap_hz=PUBLISHED_FLAP_HZ[power], effects=FIN_PARAMETERS
+        TABLE_1[power],
+        setup=PAPER_SETUP,
+        flap_hz=PUBLISHED_FLAP_HZ[power],
+        effects=FIN_PARAMETERS,
     )
     assert alone > 1.4
     assert with_fin < 0

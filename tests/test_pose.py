@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bluekoi.data import BODY_PART_NAMES, Positions
+from bluekoi.data import BODY_PART_NAMES, KeypointPositions
 from bluekoi.errors import InputError
 from bluekoi.pose import rigid_pose, unwrapped_angles
 from bluekoi.study import Robot
@@ -35,11 +35,11 @@ def keypoint_positions(
     if not stated:
         cov[:] = np.nan
     shape = xy.shape[:2]
-    return Positions(np.arange(len(pose)) / 30, BODY_PART_NAMES, xy, cov, np.ones(shape))
+    return KeypointPositions(np.arange(len(pose)) / 30, BODY_PART_NAMES, xy, cov, np.ones(shape))
 
 
-def changed_frames(given: Positions, **fields) -> Positions:
-    return Positions(**{**given.__dict__, **fields})
+def changed_frames(given: KeypointPositions, **fields) -> KeypointPositions:
+    return KeypointPositions(**{**given.__dict__, **fields})
 
 
 def test_exact_circle_comes_back_unwrapped():
@@ -213,7 +213,7 @@ def test_a_core_centre_never_seen_follows_from_the_robot():
     given = keypoint_positions(circle_poses(), scale=1.02)
     keep = [0, 1, 3]
     names = tuple(BODY_PART_NAMES[i] for i in keep)
-    fewer = Positions(
+    fewer = KeypointPositions(
         given.time_s, names, given.xy_m[:, keep], given.cov_m2[:, keep], given.likelihood[:, keep]
     )
     pose = rigid_pose(fewer, ROBOT, HEAD_M)

@@ -12,7 +12,7 @@ import pytest
 
 from bluekoi.study import load_study
 from bluekoi.study.setup import DetectionSettings
-from bluekoi.workflow.plan import Plan
+from bluekoi.workflow.plan import RunPlan
 from bluekoi.workflow.stage_call import stage_names
 from small_studies import small_study
 
@@ -24,9 +24,9 @@ from bluekoi.data import Frame
 from bluekoi.keypoints import silhouette
 from bluekoi.stages.compiling_detector import preload
 from bluekoi.study import StudySettings, Trial
-from bluekoi.synthetic.campaign import study_contents
+from bluekoi.synthetic.study_rendering import study_yaml_content
 from bluekoi.synthetic.picture_conditions import PictureConditions
-from bluekoi.synthetic.design import demo_design
+from bluekoi.synthetic.synthetic_study_design import demo_design
 from bluekoi.synthetic.footage import render_frames
 from bluekoi.synthetic.trial import solve_trial
 
@@ -43,7 +43,7 @@ trial = solve_trial(design, "T20")
 few = replace(trial, time_s=trial.time_s[::8])
 film = [Frame(i, float(few.time_s[i]), p.luma) for i, p in enumerate(render_frames(design, few))]
 plan = trial.plan
-settings = StudySettings(**study_contents(design), detection={"body": "rigid"})
+settings = StudySettings(**study_yaml_content(design), detection={"body": "rigid"})
 silhouette.detect_keypoints(lambda: film, settings, Trial(
     trial_id="T20", source="a.mp4", power_pct=plan.power_pct, head_angle_deg=plan.head_angle_deg,
     head_length_m=plan.head_length_m))
@@ -84,5 +84,5 @@ def test_the_detector_is_loaded_only_where_it_is_run(tmp_path, source, detection
     setup = study.setup.model_copy(update={"detection": detection})
     trials = tuple(trial.model_copy(update={"source": source}) for trial in study.trials)
     changed = study.model_copy(update={"setup": setup, "trials": trials})
-    plan = Plan(Path("study"), Path("results"), changed, is_demo=False, overlaid="none")
+    plan = RunPlan(Path("study"), Path("results"), changed, is_demo=False, overlaid="none")
     assert plan.detects_outlines == expected

@@ -10,7 +10,7 @@ import pytest
 
 from bluekoi.errors import InputError
 from bluekoi.preparation.draft import read_draft
-from bluekoi.preparation.draft_check import draft_findings, draft_study
+from bluekoi.preparation.draft_check import draft_findings, study_from_draft
 from bluekoi.preparation.draft_saving import save_draft
 from bluekoi.study import load_study
 
@@ -84,7 +84,7 @@ def test_values_are_changed_with_every_comment_kept(folder):
     setup = load_study(folder).setup
     assert setup.camera.pool_corners_px[0] == (250, 939)
     assert setup.camera.pool_corners_height_m == 0.02
-    assert not setup.robot.depth_given
+    assert not setup.robot.keypoint_depth_given
     assert saved.values["pool.length_m"] == "2.5"
 
 
@@ -213,9 +213,9 @@ def test_findings_stand_beside_their_fields(folder):
 def test_an_incomplete_draft_is_no_study_and_says_so_in_the_words_of_its_file(folder):
     draft = with_study_values(read_draft(folder), robot__mass_kg="")
     with pytest.raises(InputError, match=r"^study\.yaml: robot\.mass_kg: found nothing") as refused:
-        draft_study(draft, folder)
+        study_from_draft(draft, folder)
     assert str(refused.value).count("\n") == 0
-    assert draft_study(read_draft(folder), folder).trials[0].trial_id == "T1"
+    assert study_from_draft(read_draft(folder), folder).trials[0].trial_id == "T1"
 
 
 def test_a_broken_recording_is_found_beside_its_row(folder):

@@ -11,7 +11,7 @@ from bluekoi.preparation.prefill import (
     condition_from_file_name,
     prefilled_trial_rows,
     study_files,
-    trials_csv,
+    trials_csv_text,
     usable_study_files,
 )
 from bluekoi.study.study_yaml import read_study_settings
@@ -85,7 +85,7 @@ def test_the_csv_is_one_that_the_study_reads(tmp_path):
     path = tmp_path / "trials.csv"
     row = {"trial_id": "T1", "source": "T1.mp4", "power_pct": "50", "head_angle_deg": "0",
            "head_length_m": "0.12", "end_s": "4"}  # fmt: skip
-    path.write_text(trials_csv([row], ["source", "trial_id"]), encoding="utf-8")
+    path.write_text(trials_csv_text([row], ["source", "trial_id"]), encoding="utf-8")
     assert path.read_text(encoding="utf-8").startswith("source,trial_id,power_pct")
     findings = []
     trials = read_trials(path, findings)

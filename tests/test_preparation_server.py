@@ -15,11 +15,11 @@ import numpy as np
 import pytest
 
 from bluekoi.cli.run import run
-from bluekoi.cli.setup import run_command
+from bluekoi.cli.setup import bluekoi_run_arguments
 from bluekoi.data import Keypoints
 from bluekoi.footage import encode_h264
 from bluekoi.preparation.draft import Draft
-from bluekoi.preparation.draft_check import draft_study
+from bluekoi.preparation.draft_check import study_from_draft
 from bluekoi.preparation.prefill import study_files
 from bluekoi.preparation.preview import preview_trial
 from bluekoi.preparation.server import SetupServer
@@ -119,7 +119,7 @@ def test_who_has_no_business_here_is_refused(server, headers, path, status):
 
 
 def test_only_this_machine_is_served_and_the_token_is_long(server):
-    assert server.address.startswith(f"http://127.0.0.1:{server.port}/")
+    assert server.page_url.startswith(f"http://127.0.0.1:{server.port}/")
     assert len(server.token) >= 32
 
 
@@ -205,18 +205,18 @@ def test_the_preview_names_a_head_angle_of_the_wrong_sign(study_folder, monkeypa
             return Keypoints(np.arange(n) / 30, ("head_tip",), np.full((n, 1, 2), 100.0),
                              np.full((n, 1), sure), np.zeros((n, 1, 2, 2)))  # fmt: skip
 
-    monkeypatch.setattr("bluekoi.preparation.preview.source_module", lambda name: Detector)
+    monkeypatch.setattr("bluekoi.preparation.preview.keypoint_source_module", lambda name: Detector)
     for angle, said in (("20", "with head_angle_deg -20 the robot is found"),
                         ("30", "does not fit the stated lengths"), ("-20", None)):  # fmt: skip
         row = {"trial_id": "S", "source": "p50_phi20.mp4", "power_pct": "50",
                "head_angle_deg": angle, "head_length_m": "0.12"}  # fmt: skip
-        study = draft_study(Draft(DRAFT_VALUES, [row]), study_folder)
+        study = study_from_draft(Draft(DRAFT_VALUES, [row]), study_folder)
         remarks = preview_trial(study, "S").remarks
         assert (said in remarks[0]) if said else remarks == ()
 
 
 def test_a_run_from_the_page_is_that_of_the_command(tmp_path):
-    words = run_command(tmp_path / "lab", tmp_path / "out")
+    words = bluekoi_run_arguments(tmp_path / "lab", tmp_path / "out")
     assert words[1:5] == ["-P", "-m", "bluekoi", "run"]
     given = run.make_context("run", words[5:]).params
     assert (given["study"], given["results"]) == (str(tmp_path / "lab"), tmp_path / "out")

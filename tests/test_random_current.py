@@ -14,7 +14,7 @@ from bluekoi.fitting import (
     filter_all,
     parametric_bootstrap,
 )
-from bluekoi.fitting.linear import linearised, log_likelihood
+from bluekoi.fitting.linear import linearised_filter, log_likelihood
 from bluekoi.integrate import CompiledSystem, compile_system
 from bluekoi.integrate.batch import repeat_over_lanes, simulate_batch
 from bluekoi.model import constants_of_robot_trial, two_plate_system
@@ -54,7 +54,7 @@ def _trials(noise: Noise, *, seed: int) -> tuple[list[TrialSeries], list[Float]]
         )
         for k, angle in enumerate((30.0, -30.0, 40.0, -40.0, 50.0, -50.0))
     ]  # fmt: skip
-    values = [kernel.system.values(COEFFICIENTS)] * len(series)
+    values = [kernel.system.parameter_vector(COEFFICIENTS)] * len(series)
     drawn = parametric_bootstrap(kernel, series, values, [noise] * len(series),
                                  np.zeros((len(series), states)),
                                  np.random.default_rng(seed))  # fmt: skip
@@ -68,7 +68,7 @@ def test_a_robot_that_drifts_with_the_water_meets_no_force() -> None:
     state = np.zeros(states)
     state[3:5] = w
     state[[kernel.system.all_states.index(name) for name in ("w_x", "w_y")]] = w
-    values = kernel.system.values(
+    values = kernel.system.parameter_vector(
         COEFFICIENTS | {"C_T": 0.0}, {"random_current": {"present": 1.0, "tau": 1e9}}
     )
     fixed = constants_of_robot_trial(PAPER_SETUP, 0.12)
@@ -113,7 +113,7 @@ def test_a_filter_has_any_number_of_states() -> None:
     noise = _noise(NO_CURRENT.disturbance[:3], 0.003)
     seen, values = _trials(noise, seed=5)
     seen = [replace(one, mean=one.mean + 1e-6) for one in seen]
-    slot = _kernel().system.slot
+    slot = _kernel().system.parameter_index
     strengths = ("tail_fin_lift.lift_area", "lift_lag.lagging_share", "stall.lift_loss")
     more = [v.copy() for v in values]
     for v in more:
@@ -124,7 +124,7 @@ def test_a_filter_has_any_number_of_states() -> None:
         assert b.log_likelihood == pytest.approx(a.log_likelihood, abs=1e-4)
         assert b.transitions[:, own, own] == pytest.approx(a.transitions[:, own, own], abs=1e-6)
         assert np.count_nonzero(np.diagonal(b.transitions[1])) == 18
-    linear = linearised(_kernel(), seen, more, noise, many)
+    linear = linearised_filter(_kernel(), seen, more, noise, many)
     assert linear.H.shape[-1] == 18
     assert log_likelihood(linear, noise) == pytest.approx(
         sum(one.log_likelihood for one in many), abs=0.5

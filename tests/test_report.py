@@ -13,10 +13,10 @@ import pytest
 from exact_campaign import campaign_with_damping_found, exact_campaign
 
 from bluekoi import figures
-from bluekoi.camera.plane_camera import homography_camera
+from bluekoi.camera.homography_camera import homography_camera
 from bluekoi.campaign import Campaign
 from bluekoi.model import PUBLISHED_FLAP_HZ
-from bluekoi.report.findings import campaign_warnings, verdict
+from bluekoi.report.findings import campaign_warnings, verdict_texts
 from bluekoi.report.media import embedded_overlay_clips
 from bluekoi.report.numbers import (
     format_number,
@@ -250,7 +250,7 @@ def test_table_2_is_compared_with_the_published_one(tmp_path, campaign_with_caus
 
 @pytest.mark.parametrize("kind", ["none", "physics", "measurement", "unexplained"])
 def test_verdicts_in_words(kind):
-    said = verdict(Campaign(**{**exact_campaign().__dict__, "mismatch": {"verdict": kind}}))
+    said = verdict_texts(Campaign(**{**exact_campaign().__dict__, "mismatch": {"verdict": kind}}))
     assert said["kind"] == kind
     assert (
         said["heading"]
@@ -274,14 +274,14 @@ def test_verdicts_in_words(kind):
 )  # fmt: skip
 def test_the_heading_names_causes_of_every_kind(kind, second, heading):
     found = {"verdict": kind, "causes": [{"name": "tail_fin_lift", "kind": "physics"}, second]}
-    said = verdict(Campaign(**{**exact_campaign().__dict__, "mismatch": found}))
+    said = verdict_texts(Campaign(**{**exact_campaign().__dict__, "mismatch": found}))
     assert said["heading"] == heading
 
 
 def test_without_a_cause_the_heading_claims_no_more_than_the_sentence() -> None:
     sentence = "No cause has a probability above 1/2, but the model does not describe these trials."
     found = {"verdict": "none", "causes": [], "sentence": sentence}
-    said = verdict(Campaign(**{**exact_campaign().__dict__, "mismatch": found}))
+    said = verdict_texts(Campaign(**{**exact_campaign().__dict__, "mismatch": found}))
     assert said["heading"] == "No cause has a probability above 1/2"
 
 

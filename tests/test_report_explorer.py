@@ -11,7 +11,7 @@ import pytest
 from exact_campaign import campaign_with_damping_found, exact_campaign
 
 from bluekoi.campaign import Campaign
-from bluekoi.report.explorer import packed_series
+from bluekoi.report.explorer import compressed_trial_time_series
 from bluekoi.report.packing import gzip_base64, quantised_differences
 
 
@@ -47,7 +47,9 @@ def test_models_are_given_at_the_times_of_the_track():
     late = track.time_s[::2]
     columns = {"time_s": late, "joint_x_m": 0.2 * late, "joint_y_m": 0 * late}
     found = unpack(
-        packed_series(Campaign(**{**base.__dict__, "simulations": {"T02": columns}}), "T02")
+        compressed_trial_time_series(
+            Campaign(**{**base.__dict__, "simulations": {"T02": columns}}), "T02"
+        )
     )
     assert found.keys() == {"measured", "before"}
     x = restored_column(found["before"]["x_m"])
@@ -66,7 +68,9 @@ def test_a_long_trial_is_thinned_and_one_without_track_has_no_series():
     many = {k: np.interp(times / 100, track.time_s, v) for k, v in vars(track).items()
             if isinstance(v, np.ndarray) and v.ndim == 1}  # fmt: skip
     long = type(track)(**{**many, "time_s": times})
-    found = unpack(packed_series(Campaign(**{**base.__dict__, "tracks": {name: long}}), name))
+    found = unpack(
+        compressed_trial_time_series(Campaign(**{**base.__dict__, "tracks": {name: long}}), name)
+    )
     assert len(found["measured"]["time_s"]["steps"]) == 2000
     assert restored_column(found["measured"]["time_s"])[-1] == pytest.approx(300)
-    assert packed_series(Campaign(study=base.study), name) == ""
+    assert compressed_trial_time_series(Campaign(study=base.study), name) == ""

@@ -8,7 +8,11 @@ from exact_campaign import campaign_with_damping_found, exact_campaign
 from bluekoi import figures
 from bluekoi.campaign import Campaign
 from bluekoi.data import Float
-from bluekoi.figures.drawing.style import BASELINE_NAME, EXTENDED_NAME, NOISE_FLOOR_NAME
+from bluekoi.figures.drawing.style import (
+    BASELINE_MODEL_LABEL,
+    EXTENDED_MODEL_LABEL,
+    NOISE_FLOOR_LABEL,
+)
 from bluekoi.report.page import report_html
 
 
@@ -74,9 +78,9 @@ def test_without_an_identified_cause_there_is_one_model(held_out_campaign: Campa
         "mismatch_held_out", none
     )
     assert legend_texts("mismatch_held_out", held_out_campaign) == [
-        "measured", BASELINE_NAME, EXTENDED_NAME, NOISE_FLOOR_NAME,
+        "measured", BASELINE_MODEL_LABEL, EXTENDED_MODEL_LABEL, NOISE_FLOOR_LABEL,
     ]  # fmt: skip
-    assert legend_texts("mismatch_held_out", none) == ["measured", "model", NOISE_FLOOR_NAME]
+    assert legend_texts("mismatch_held_out", none) == ["measured", "model", NOISE_FLOOR_LABEL]
     assert "named" in legend_texts("mismatch_candidates", held_out_campaign)
     assert "named" not in legend_texts("mismatch_candidates", none)
     assert len(legend_texts("paths", held_out_campaign)) == 3

@@ -10,16 +10,21 @@ from exact_campaign import exact_campaign, exact_setup
 from bluekoi.camera import pool_camera
 from bluekoi.campaign import Campaign
 from bluekoi.data import Frame, Keypoints
-from bluekoi.report.overlay import frame_rate, path_lines, write_overlay, write_trial_overlay
+from bluekoi.report.overlay import (
+    overlay_frame_rate,
+    projected_overlay_paths,
+    write_overlay,
+    write_trial_overlay,
+)
 from bluekoi.report.overlay_frame import (
-    AFTER_BGR,
     BEFORE_BGR,
+    AFTER_BGR,
     KEYPOINT_BGR,
     MEASURED_BGR,
     OverlayContent,
     OverlayPath,
     annotated_frame,
-    empty_pool,
+    empty_pool_image,
 )
 
 STRIP_HEIGHT_PX = 40
@@ -52,8 +57,8 @@ def test_paths_are_drawn_where_the_camera_sees_them(overlay_campaign):
     shift = {"time_s": track.time_s}
     for prefix, offset in (("joint", 0.1), ("extended", -0.1)):
         shift |= {f"{prefix}_x_m": track.x_m + offset, f"{prefix}_y_m": track.y_m}
-    lines = path_lines(camera, track, shift, 0.0)
-    scene = OverlayContent("T02", (1920, 1080), lines, background=empty_pool(camera, 640))
+    lines = projected_overlay_paths(camera, track, shift, 0.0)
+    scene = OverlayContent("T02", (1920, 1080), lines, background=empty_pool_image(camera, 640))
     picture = annotated_frame(scene.background.copy(), scene, float(track.time_s[60]), SCALE)
     x, y = track.x_m[40], track.y_m[40]
     assert [line.name for line in lines] == ["measured path", "model after", "model before"]
@@ -122,5 +127,5 @@ def test_frames_keep_their_times(tmp_path):
     film = [Frame(i, t, grey) for i, t in enumerate(times)]
     count = write_overlay(tmp_path / "a.mp4", OverlayContent("x", (1920, 1080), ()), film, fps=10.0)
     assert count == 8  # 2.0 to 2.7 at 10 a second, the gap filled, the double left out
-    assert frame_rate(np.arange(5) / 59.94) == 30.0
-    assert frame_rate(np.arange(5) / 24.0) == pytest.approx(24.0)
+    assert overlay_frame_rate(np.arange(5) / 59.94) == 30.0
+    assert overlay_frame_rate(np.arange(5) / 24.0) == pytest.approx(24.0)

@@ -8,13 +8,13 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 
-from bluekoi.camera.length_windows import (
+from bluekoi.camera.rigid_distances import RigidDistances
+from bluekoi.camera.rigid_length_windows import (
     MAX_LENGTH_WINDOWS,
     window_means,
     windows_from_columns,
     windows_to_columns,
 )
-from bluekoi.camera.rigid_distances import RigidDistances
 from bluekoi.files import to_json_types
 from bluekoi.fitting import FreeParameter, SharedMeasurement, TrialSeries
 from bluekoi.fitting.side_measurements import side_measurement_terms
@@ -79,7 +79,7 @@ def lengths_with_error(
 ) -> RigidDistances:
     """The lengths as a camera with an error sees them, by the effect's own displacement of ends."""
     effect = SYSTEM.effect(error)
-    known = {p.argument: p.start if i >= effect.strengths else 0.0
+    known = {p.argument_name: p.start if i >= effect.strengths else 0.0
              for i, p in enumerate(effect.parameters)}  # fmt: skip
     known |= VIEW_CONSTANTS | {"cpsi": 0.0, "spsi": 0.0} | values
     names = effect.hooks["observe"].__code__.co_varnames[
@@ -110,7 +110,7 @@ def estimated_strengths(
     found: SharedMeasurement, error: str
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Strengths of one error alone by least squares, their deviations, and the misfit left."""
-    start = np.array([0.0 if is_strength(n) else SYSTEM.parameters[SYSTEM.slot[n]].start
+    start = np.array([0.0 if is_strength(n) else SYSTEM.parameters[SYSTEM.parameter_index[n]].start
                       for n in found.parameters])  # fmt: skip
     own = [i for i, n in enumerate(found.parameters)
            if n.startswith(error + ".") and is_strength(n)]  # fmt: skip
@@ -133,7 +133,7 @@ def test_lengths_distinguish_a_growing_depth_error_from_a_constant_one() -> None
     found = length_measurement_of(growing)
     shift, trend = (found.parameters.index(f"uncorrected_refraction.{name}")
                     for name in ("inward_shift", "session_trend"))  # fmt: skip
-    values = np.array([0.0 if is_strength(n) else SYSTEM.parameters[SYSTEM.slot[n]].start
+    values = np.array([0.0 if is_strength(n) else SYSTEM.parameters[SYSTEM.parameter_index[n]].start
                        for n in found.parameters])  # fmt: skip
     values[shift] = 0.01
 
@@ -158,7 +158,7 @@ def test_lengths_measure_each_error_of_the_camera_within_their_deviation(
         lengths_with_error(simulated_lengths(np.random.default_rng(5)), error, values)
     )
     strengths = SYSTEM.effect(error).parameters[: SYSTEM.effect(error).strengths]
-    truth = np.array([values.get(p.argument, 0.0) for p in strengths])
+    truth = np.array([values.get(p.argument_name, 0.0) for p in strengths])
     value, std, misfit = estimated_strengths(found, error)
     assert np.all(np.abs(value - truth) < 3.5 * std)
     assert np.max(np.abs(truth) / std) > 5
@@ -177,8 +177,12 @@ def test_right_lengths_speak_for_no_error_and_their_misfit_is_chi_squared() -> N
         found = length_measurement_of(
             simulated_lengths(np.random.default_rng(100 + seed), trials=10)
         )
-        start = np.array([0.0 if is_strength(n) else SYSTEM.parameters[SYSTEM.slot[n]].start
-                          for n in found.parameters])  # fmt: skip
+        start = np.array(
+            [
+                0.0 if is_strength(n) else SYSTEM.parameters[SYSTEM.parameter_index[n]].start
+                for n in found.parameters
+            ]
+        )
         errors = found.errors(start)
         misfits.append(float(errors @ errors))
         sizes.append(len(errors))
@@ -244,11 +248,11 @@ def test_a_shared_measurement_counts_once_and_has_the_slopes_of_its_errors() -> 
                           np.zeros(len(kernel.system.constants)), np.zeros((1, n)), np.eye(n)[None],
                           np.zeros(states), np.eye(states), shared=found)
               for name in map(str, range(16))]  # fmt: skip
-    point = kernel.system.values({})
+    point = kernel.system.parameter_vector({})
     free = [FreeParameter("scale_error.length_error"), FreeParameter("C_T")]
     H, g, value = side_measurement_terms(kernel, series, free, [point] * 16)
     step, moved = 1e-4, point.copy()
-    moved[kernel.system.slot[free[0].name]] += step
+    moved[kernel.system.parameter_index[free[0].name]] += step
     _, _, after = side_measurement_terms(kernel, series, free, [moved] * 16)
     assert (after.sum() - value.sum()) / step == pytest.approx(
         g.sum(axis=0)[0] - 0.5 * step * H.sum(axis=0)[0, 0], rel=1e-4
@@ -265,7 +269,7 @@ def test_displacements_of_arrays_equal_those_of_each_place(effect) -> None:
     rng = np.random.default_rng(8)
     function = effect.hooks["observe"]
     names = list(inspect.signature(function).parameters)
-    sizes = {p.argument: p.start for p in effect.parameters}
+    sizes = {p.argument_name: p.start for p in effect.parameters}
     values = [rng.uniform(0.1, 2.0, 40) * sizes.get(name, 1.0) for name in names]
     at_once = elementwise(function)(*values)
     one_by_one = np.array([function(*row) for row in zip(*values, strict=True)])

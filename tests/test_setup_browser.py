@@ -15,8 +15,8 @@ import pytest
 
 from bluekoi.stages.demo import write_demo_study
 from bluekoi.study import load_study
-from bluekoi.synthetic.campaign import render_trial
-from bluekoi.synthetic.design import demo_design
+from bluekoi.synthetic.study_rendering import render_trial
+from bluekoi.synthetic.synthetic_study_design import demo_design
 from browser import Browser, Tab
 
 pytestmark = [

@@ -10,14 +10,19 @@ import pytest
 from bluekoi.fitting import TrialSeries
 from bluekoi.integrate import LANES, Effect, System, compile_system
 from bluekoi.integrate.batch import repeat_over_lanes, simulate_batch
-from bluekoi.model import TABLE_1, RobotUnits, constants_of_robot_trial, two_plate_system
-from bluekoi.model.similarity import robot_units, unit_dimensions
+from bluekoi.model import (
+    TABLE_1,
+    RobotScaleRatios,
+    constants_of_robot_trial,
+    two_plate_system,
+)
+from bluekoi.model.similarity import robot_scale_ratios, unit_dimensions
 from bluekoi.observation import CameraErrorInputs
 from bluekoi.tuning import fit_all_trials
 from paper_robot import PAPER_SETUP
 from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
 
-LARGE = RobotUnits(mass=20.0, length=2.56, time=1.6)
+LARGE = RobotScaleRatios(mass=20.0, length=2.56, time=1.6)
 CONSTANT_UNITS = dict.fromkeys(
     ("l", "h", "span", "length", "x_hinge", "x_tail", "l_tail", "L_pool", "W_pool", "x_cam",
      "y_cam", "x_lens", "y_lens", "ahead", "length_unit"), "m",
@@ -51,15 +56,15 @@ def trial_constants() -> np.ndarray:
     return constants_of_robot_trial(PAPER_SETUP, 0.175, heading_rad=0.3, start_s=0.4, view=view)
 
 
-def similar_constants(constants: np.ndarray, units: RobotUnits) -> np.ndarray:
+def similar_constants(constants: np.ndarray, units: RobotScaleRatios) -> np.ndarray:
     names = two_plate_system().constants
-    return constants * [units.ratio(CONSTANT_UNITS.get(name, "1")) for name in names]
+    return constants * [units.scale_ratio_for_unit(CONSTANT_UNITS.get(name, "1")) for name in names]
 
 
-def observed_path(system: System, effect: Effect, units: RobotUnits) -> np.ndarray:
+def observed_path(system: System, effect: Effect, units: RobotScaleRatios) -> np.ndarray:
     """What is seen of a turn with one effect at its starting values, in units of the robot."""
-    values = system.values(
-        {name: value * units.ratio(unit) for (name, value), unit in
+    values = system.parameter_vector(
+        {name: value * units.scale_ratio_for_unit(unit) for (name, value), unit in
          zip(TABLE_1[75].items(), ("m2", "1", "1", "1", "m", "kg m2"), strict=True)},
         {effect.name: {p.name: p.start for p in effect.parameters}},
     )  # fmt: skip
@@ -78,17 +83,17 @@ def observed_path(system: System, effect: Effect, units: RobotUnits) -> np.ndarr
 @pytest.mark.parametrize("name", [e.name for e in two_plate_system().effects])
 def test_every_effect_moves_a_similar_robot_along_a_similar_path(name: str) -> None:
     small, large = two_plate_system(), two_plate_system(LARGE)
-    of_small = observed_path(small, small.effect(name), RobotUnits())
+    of_small = observed_path(small, small.effect(name), RobotScaleRatios())
     of_large = observed_path(large, large.effect(name), LARGE)
     assert np.ptp(of_small[:, 0]) > 0.1
     assert of_large == pytest.approx(of_small, abs=1e-7)
 
 
-def similar_series(one: TrialSeries, units: RobotUnits) -> TrialSeries:
+def similar_series(one: TrialSeries, units: RobotScaleRatios) -> TrialSeries:
     """A trial of a similar robot."""
     seen = np.array([units.length, units.length, 1.0, 1.0])
     state = np.ones(len(one.mean))
-    state[:6] = [units.ratio(unit) for unit in STATE_UNITS]
+    state[:6] = [units.scale_ratio_for_unit(unit) for unit in STATE_UNITS]
     return replace(
         one, times=one.times * units.time, inputs=one.inputs / [1.0, units.time],
         constants=similar_constants(one.constants, units), seen=one.seen * seen,
@@ -103,7 +108,7 @@ def test_a_fit_to_trials_of_a_similar_robot_gives_similar_coefficients() -> None
     series = simulate_campaigns(plans, ErrorModel(), np.random.default_rng(3), count=1)[0]
     small = fit_all_trials(series)
     large = fit_all_trials([similar_series(s, LARGE) for s in series])
-    size = np.array([LARGE.ratio(p.unit) for p in small.fit.definitions])
+    size = np.array([LARGE.scale_ratio_for_unit(p.unit) for p in small.fit.definitions])
     assert [p.upper for p in large.fit.definitions] == pytest.approx(
         size * [p.upper for p in small.fit.definitions]
     )
@@ -113,5 +118,5 @@ def test_a_fit_to_trials_of_a_similar_robot_gives_similar_coefficients() -> None
 
 
 def test_units_of_the_published_robot_are_one() -> None:
-    assert robot_units(PAPER_SETUP.robot) == RobotUnits()
-    assert two_plate_system(RobotUnits()) is two_plate_system(RobotUnits())
+    assert robot_scale_ratios(PAPER_SETUP.robot) == RobotScaleRatios()
+    assert two_plate_system(RobotScaleRatios()) is two_plate_system(RobotScaleRatios())

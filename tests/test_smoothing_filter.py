@@ -10,7 +10,7 @@ from scipy.linalg import expm
 from bluekoi.data import BoolNDArray
 from bluekoi.smoothing import kalman_numba
 from bluekoi.smoothing.coloured_noise import with_coloured_noise
-from bluekoi.smoothing.grid import filter_grid
+from bluekoi.smoothing.grid import filter_time_grid
 from bluekoi.smoothing.kalman_filterpy import (
     _new_kalman_filter,
     _predict_and_update,
@@ -157,7 +157,7 @@ def test_rough_speed_follows_a_start_and_no_tail_beat():
     pose = observed_pose(
         truth, np.random.default_rng(4), CameraConditions(hz=5.82, gap_s=(2.0, 2.3))
     )
-    grid = filter_grid(pose.time_s, 5.82)
+    grid = filter_time_grid(pose.time_s, 5.82)
     found = rough_speed(
         grid.frame_values_on_nodes(pose.values[:, :2]),
         grid.frame_values_on_nodes(pose.cov[:, :2, :2]),
@@ -211,11 +211,11 @@ def test_recoil_loses_its_phase_over_the_stated_beats():
 
 def test_grid_has_nodes_where_frames_are_far_apart():
     t = np.array([0.0, 1.0, 2.0, 6.0, 7.0])
-    grid = filter_grid(t, 0.0)
+    grid = filter_time_grid(t, 0.0)
     assert grid.time_s[grid.frame] == pytest.approx(t)
     assert grid.dt_s.max() <= 1.5
     assert np.isnan(grid.frame_values_on_nodes(t)[~grid.frame]).all()
-    assert filter_grid(np.arange(20) / 30, 2.37).scale_s == pytest.approx(1 / 2.37)
+    assert filter_time_grid(np.arange(20) / 30, 2.37).scale_s == pytest.approx(1 / 2.37)
 
 
 def test_descent_finds_the_minimum_of_a_narrow_bowl():

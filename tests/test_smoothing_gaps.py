@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bluekoi.data import Pose
-from bluekoi.smoothing import smooth_pose, smooth_with_noise_ratio
+from bluekoi.smoothing import smooth_pose, smoothed_track_and_noise_ratio
 from bluekoi.smoothing.gaps import index_ranges_of_true, with_calibrated_gap_covariance
 from bluekoi.smoothing.kalman_numba import compiled_filter_and_smooth
 from bluekoi.smoothing.linear_gaussian import LinearGaussianModel
@@ -68,7 +68,7 @@ def normalised_errors(pose: Pose, gap: int, offset: int) -> np.ndarray:
     """Measured minus interpolated positions over their joint deviation, all hidden frames."""
     away = hidden_frames(pose, gap, offset)
     values = np.where(away[:, None], np.nan, pose.values)
-    track, (shown, _) = smooth_with_noise_ratio(Pose(pose.time_s, values, pose.cov), 0.0)
+    track, (shown, _) = smoothed_track_and_noise_ratio(Pose(pose.time_s, values, pose.cov), 0.0)
     errors = pose.values[:, :2] - np.column_stack([track.x_m, track.y_m])
     variance = np.column_stack([track.x_m_std, track.y_m_std]) ** 2 + shown * pose.cov[0, 0, 0]
     found = (errors / np.sqrt(variance))[away].ravel()

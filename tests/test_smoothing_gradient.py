@@ -9,7 +9,7 @@ import pytest
 from planar_models import planar_model
 
 from bluekoi.smoothing import noise_fit
-from bluekoi.smoothing.grid import filter_grid
+from bluekoi.smoothing.grid import filter_time_grid
 from bluekoi.smoothing.kalman_numba import filter_pass, minus_two_log_likelihood
 from bluekoi.smoothing.likelihood_gradient import likelihood_gradient
 from bluekoi.smoothing.state_space_fit import KnownMotion, fit_angle, fit_position
@@ -47,7 +47,7 @@ def test_derivatives_by_the_matrices_of_a_model_are_those_of_its_likelihood(reco
 def test_derivatives_by_the_noise_are_those_of_the_cost(planar, coloured, resting, hz, monkeypatch):
     truth = circle(frame_times(90))
     pose = observed_pose(truth, np.random.default_rng(1), CameraConditions(gap_s=(0.8, 1.1)))
-    grid = filter_grid(pose.time_s, hz)
+    grid = filter_time_grid(pose.time_s, hz)
     checked = []
 
     def compare(cost, start):

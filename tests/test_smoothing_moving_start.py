@@ -13,7 +13,7 @@ from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial
 from bluekoi.pose import rigid_pose
 from bluekoi.smoothing import smooth_pose
 from bluekoi.study import load_study
-from bluekoi.synthetic.design import demo_design
+from bluekoi.synthetic.synthetic_study_design import demo_design
 from bluekoi.synthetic.trial import frame_truth, solve_trial
 from exact_motions import frame_times, gaining_speed, observed_pose
 from validation.generators.campus_pool import generate

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bluekoi.data import Pose
-from bluekoi.smoothing import smooth_with_noise_ratio
+from bluekoi.smoothing import smoothed_track_and_noise_ratio
 from bluekoi.smoothing.systematic_error import with_systematic_error
 from exact_motions import (
     MOTIONS,
@@ -35,7 +35,7 @@ def test_an_error_common_to_all_frames_is_in_the_deviations():
     before, after = [], []
     for seed, make in enumerate([*MOTIONS.values(), *MOTIONS.values()]):
         truth, pose = observed_with_bias(make, seed)
-        track, shown = smooth_with_noise_ratio(pose, FAST_BEAT.hz)
+        track, shown = smoothed_track_and_noise_ratio(pose, FAST_BEAT.hz)
         whole = with_systematic_error(track, pose, shown)
         for found, pulls in ((track, before), (whole, after)):
             pulls.append((found.x_m - truth.xy[:, 0]) / found.x_m_std)
@@ -47,7 +47,7 @@ def test_an_error_common_to_all_frames_is_in_the_deviations():
 
 def test_where_the_noise_is_as_stated_nothing_is_added():
     pose = observed_pose(circle(frame_times(150)), np.random.default_rng(2), FAST_BEAT)
-    track, shown = smooth_with_noise_ratio(pose, FAST_BEAT.hz)
+    track, shown = smoothed_track_and_noise_ratio(pose, FAST_BEAT.hz)
     whole = with_systematic_error(track, pose, shown)
     for name in ("x_m_std", "y_m_std", "heading_rad_std", "speed_m_s_std", "yaw_rate_rad_s_std"):
         assert getattr(whole, name) == pytest.approx(getattr(track, name))
@@ -55,7 +55,7 @@ def test_where_the_noise_is_as_stated_nothing_is_added():
 
 def test_rates_are_given_a_change_of_the_error_in_the_trial():
     _, pose = observed_with_bias(straight_line, 1)
-    track, shown = smooth_with_noise_ratio(pose, FAST_BEAT.hz)
+    track, shown = smoothed_track_and_noise_ratio(pose, FAST_BEAT.hz)
     whole = with_systematic_error(track, pose, shown)
     added = whole.yaw_rate_rad_s_std**2 - track.yaw_rate_rad_s_std**2
     position = whole.heading_rad_std**2 - track.heading_rad_std**2

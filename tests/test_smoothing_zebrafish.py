@@ -10,7 +10,7 @@ import csv
 import numpy as np
 import pytest
 
-from bluekoi.data import Pose, Positions
+from bluekoi.data import KeypointPositions, Pose
 from bluekoi.motor import tail_beat_from_video
 from bluekoi.smoothing import smooth_pose
 from keypoint_files import read_all_parts
@@ -70,7 +70,7 @@ def test_tail_beat_frequency(larva):
     at = slice(first, first + int(result["stg3.total.dur.ms"]) + 1)
     parts = [found.names.index(n) for n in ("S1", "T1", "T4")]
     n = at.stop - at.start
-    positions = Positions(
+    positions = KeypointPositions(
         found.time_s[at],
         ("core_center", "tail_base", "tail_tip"),
         xy[at][:, parts],

@@ -18,7 +18,7 @@ from bluekoi.motor.swimming_plausibility import (
     clock_and_length_warnings,
     dimensionless_swimming_numbers,
     implausible_numbers_text,
-    tail_warnings,
+    tail_length_warnings,
 )
 from bluekoi.pose import rigid_pose
 from bluekoi.pose.plausibility import plausibility_findings
@@ -197,9 +197,9 @@ def test_a_tail_measured_from_the_hinge_is_warned_about_and_a_right_one_is_not(t
         keypoints(study, results, name)
         tracks(study, results, name)
     statuses = {name: read_json(results / f"status/{name}.json") for name in SMALL_STUDY_TRIALS}
-    assert tail_warnings(statuses, 0.066) == []
-    assert tail_warnings({}, 0.066) == []
-    (said,) = tail_warnings(statuses, 0.277)
+    assert tail_length_warnings(statuses, 0.066) == []
+    assert tail_length_warnings({}, 0.066) == []
+    (said,) = tail_length_warnings(statuses, 0.277)
     assert "277 mm" in said
     setup = yaml.safe_load((study / "study.yaml").read_text())
     setup["robot"]["tail_length_m"] = 0.277

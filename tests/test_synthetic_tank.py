@@ -6,19 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.synthetic.design import SIMULATED_FLAP_HZ_BY_POWER
 from bluekoi.synthetic.eddies import random_eddies, water_velocity
-from bluekoi.synthetic.laws import (
+from bluekoi.synthetic.ground_truth_physics import (
     Fin,
     GroundTruthPhysics,
     TrialSettings,
     aerodynamic_arm,
-    published_model_tank,
+    published_model_physics,
 )
-from bluekoi.synthetic.tank import simulate_true_motion, true_steady_speed_and_radius
+from bluekoi.synthetic.motion_simulation import simulate_true_motion, true_steady_speed_and_radius
+from bluekoi.synthetic.synthetic_study_design import SIMULATED_FLAP_HZ_BY_POWER
 from small_studies import TABLE_1
 
-PUBLISHED_TANK = published_model_tank(GroundTruthPhysics())
+PUBLISHED_TANK = published_model_physics(GroundTruthPhysics())
 TANK_WITHOUT_RECOIL = GroundTruthPhysics(recoil=None)
 
 
@@ -44,7 +44,9 @@ def test_straight_start_is_a_tanh() -> None:
     top = 5.82 * math.sqrt(c.C_T / c.C_D0)
     lag = robot.mass_kg / (0.5 * 1000 * area * c.C_D0 * top)
     time_s = np.linspace(0, 4, 41)
-    state = simulate_true_motion(PUBLISHED_TANK, TrialSettings(5.82, 0.0, 0.12), 4.0).mean(time_s)
+    state = simulate_true_motion(
+        PUBLISHED_TANK, TrialSettings(5.82, 0.0, 0.12), 4.0
+    ).state_without_recoil(time_s)
     assert np.allclose(state[:, 3], top * np.tanh(time_s / lag), atol=1e-8)
     assert np.allclose(state[:, 0], top * lag * np.log(np.cosh(time_s / lag)), atol=1e-8)
     assert np.abs(state[:, [1, 2, 4, 5]]).max() < 1e-12
@@ -67,12 +69,12 @@ def test_table_1_radii_lie_where_reported_model_md_audit_1() -> None:
 
 def test_positive_head_angle_turns_clockwise_and_sides_mirror() -> None:
     time_s = np.linspace(0, 3, 13)
-    left = simulate_true_motion(TANK_WITHOUT_RECOIL, TrialSettings(4.0, 0.5, 0.12), 3.0).mean(
-        time_s
-    )
-    right = simulate_true_motion(TANK_WITHOUT_RECOIL, TrialSettings(4.0, -0.5, 0.12), 3.0).mean(
-        time_s
-    )
+    left = simulate_true_motion(
+        TANK_WITHOUT_RECOIL, TrialSettings(4.0, 0.5, 0.12), 3.0
+    ).state_without_recoil(time_s)
+    right = simulate_true_motion(
+        TANK_WITHOUT_RECOIL, TrialSettings(4.0, -0.5, 0.12), 3.0
+    ).state_without_recoil(time_s)
     assert left[-1, 5] < -0.1
     sign = np.array([1, -1, -1, 1, -1, -1])
     start = np.array([0, 0, 0, 0, 0, 0])
@@ -82,11 +84,14 @@ def test_positive_head_angle_turns_clockwise_and_sides_mirror() -> None:
 def test_bare_model_cannot_swim_straight_but_the_fin_can_model_md_audit_5() -> None:
     time_s = np.linspace(3, 4, 11)
     run = TrialSettings(5.82, 1e-8, 0.12)
-    bare = np.abs(simulate_true_motion(PUBLISHED_TANK, run, 4.0).mean(time_s)[:, 5])
+    bare = np.abs(simulate_true_motion(PUBLISHED_TANK, run, 4.0).state_without_recoil(time_s)[:, 5])
     growth = np.polyfit(time_s, np.log(bare), 1)[0]
     assert growth == pytest.approx(3.6, abs=0.3)
     assert (
-        np.abs(simulate_true_motion(TANK_WITHOUT_RECOIL, run, 4.0).mean(time_s)[:, 5]).max() < 1e-3
+        np.abs(
+            simulate_true_motion(TANK_WITHOUT_RECOIL, run, 4.0).state_without_recoil(time_s)[:, 5]
+        ).max()
+        < 1e-3
     )
 
 
@@ -115,7 +120,7 @@ def test_recoil_stays_small_and_starts_from_nothing() -> None:
         GroundTruthPhysics(), TrialSettings(5.82, 0.0, 0.12, start_beat_rad=1.0), 2.0
     )
     time_s = np.linspace(0, 2, 801)
-    off = motion.pose(time_s)[:, :3] - motion.mean(time_s)[:, :3]
+    off = motion.pose_with_recoil(time_s)[:, :3] - motion.state_without_recoil(time_s)[:, :3]
     assert np.abs(off[0]).max() == 0
     assert 0.0025 < np.abs(off[:, 1]).max() < 0.0035
     assert 1.2 < np.degrees(np.abs(off[:, 2])).max() < 1.6

@@ -31,9 +31,9 @@ def test_the_form_of_an_absent_cause_does_not_change_the_likelihood(
     problem: CauseSearchProblem, form: str
 ) -> None:
     kernel, free = problem.kernel, problem.coefficients
-    at = np.array([problem.base[kernel.system.slot[f.name]] for f in free])
+    at = np.array([problem.base[kernel.system.parameter_index[f.name]] for f in free])
     other = problem.base.copy()
-    other[kernel.system.slot[form]] = 1.0
+    other[kernel.system.parameter_index[form]] = 1.0
     first, second = (
         trial_normal_equations(kernel, problem.series, base, free, at, noise=problem.noise)
         for base in (problem.base, other)

@@ -14,12 +14,12 @@ from click.testing import CliRunner
 from exact_campaign import exact_campaign
 
 from bluekoi.camera import pool_camera
-from bluekoi.camera.length_warnings import MIN_LENGTH_ERROR_SHARE, length_warnings
 from bluekoi.camera.pool_edge_check import deviating_edge_warnings
+from bluekoi.camera.rigid_length_warnings import MIN_LENGTH_ERROR_SHARE, rigid_length_warnings
 from bluekoi.campaign import Campaign
 from bluekoi.cli import main
 from bluekoi.data import FlappingFrequency, Pose, SteadyState, Track
-from bluekoi.data.majority import deviations_from_majority
+from bluekoi.data.majority_deviation import deviations_from_majority
 from bluekoi.errors import InputError
 from bluekoi.files import read_json
 from bluekoi.keypoints.deeplabcut import read_keypoints_of_trial, write_keypoints_csv
@@ -45,7 +45,7 @@ from bluekoi.stages.trial_exclusion import (
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study, missing_files_of_trial
 from bluekoi.study.setup_warnings import inertia_warnings, setup_warnings
-from bluekoi.trial_warnings import trial_warnings, unchecked_clock_notes
+from bluekoi.trial_warnings import trial_warnings, unchecked_frame_rate_notes
 from small_studies import edit_trials_csv, mapped_turn, small_study
 
 
@@ -310,9 +310,9 @@ def test_a_zoomed_picture_is_kept_from_the_fits():
     assert edges.startswith(f"Trial {last}: the pool's edges lie up to 12 mm from the corners")
     assert "in most other recordings 1 mm" in edges
     assert list(deviating_edge_warnings(dark.statuses, dark.study.setup.pool)) == []
-    (tail,) = length_warnings(zoomed.geometry, None)
+    (tail,) = rigid_length_warnings(zoomed.geometry, None)
     assert tail.startswith(f"Trial {last}: no frame shows the end of the robot's tail")
-    assert length_warnings(zoomed.geometry, None, failed=[last]) == []
+    assert rigid_length_warnings(zoomed.geometry, None, failed=[last]) == []
 
 
 def test_where_half_of_the_trials_contradict_the_table_none_is_kept_from_the_fits():
@@ -375,24 +375,26 @@ def test_parts_in_one_place_give_no_pose_and_no_traceback(tmp_path):
 
 def test_rigid_lengths_of_another_size_are_a_warning_unless_the_verdict_says_why():
     off = {"scale": 1.0068, "scale_std": 2e-4}
-    (text,) = length_warnings(off, {"causes": []})
+    (text,) = rigid_length_warnings(off, {"causes": []})
     assert "rigid lengths come out +0.7 +- 0.0 %" in text
     assert "refractive_index" in text
-    assert length_warnings(off, {"causes": [{"name": "uncorrected_refraction"}]}) == []
-    assert len(length_warnings(off, {"causes": [{"name": "sinking", "weight": 0.39}]})) == 1
-    assert length_warnings({"scale": 1.004, "scale_std": 2e-4}, None) == []
-    assert length_warnings({"scale": 1.05, "scale_std": 0.02}, None) == []
+    assert rigid_length_warnings(off, {"causes": [{"name": "uncorrected_refraction"}]}) == []
+    assert len(rigid_length_warnings(off, {"causes": [{"name": "sinking", "weight": 0.39}]})) == 1
+    assert rigid_length_warnings({"scale": 1.004, "scale_std": 2e-4}, None) == []
+    assert rigid_length_warnings({"scale": 1.05, "scale_std": 0.02}, None) == []
     assert (
-        length_warnings(None, None) == length_warnings({"scale": None, "scale_std": None}, {}) == []
+        rigid_length_warnings(None, None)
+        == rigid_length_warnings({"scale": None, "scale_std": None}, {})
+        == []
     )
 
 
 def test_an_error_of_the_camera_that_the_verdict_does_not_name_is_a_warning():
     found = {"likely": "camera_shift", "rivals": ["lens_error"], "sentence": "turned by 0.02 rad"}
-    (text,) = length_warnings(found, {"causes": []})
+    (text,) = rigid_length_warnings(found, {"causes": []})
     assert "shows camera_shift, which the verdict does not name: turned by 0.02 rad" in text
-    assert length_warnings(found, {"causes": [{"name": "lens_error", "weight": 0.9}]}) == []
-    assert length_warnings(found | {"likely": "keypoint_bias", "rivals": []}, None) == []
+    assert rigid_length_warnings(found, {"causes": [{"name": "lens_error", "weight": 0.9}]}) == []
+    assert rigid_length_warnings(found | {"likely": "keypoint_bias", "rivals": []}, None) == []
 
 
 @pytest.mark.parametrize(
@@ -404,7 +406,7 @@ def test_an_error_of_the_camera_that_the_verdict_does_not_name_is_a_warning():
 )
 def test_refraction_that_the_verdict_does_not_name_is_looked_for_in_its_keys(index, words):
     found = {"likely": "uncorrected_refraction", "rivals": [], "sentence": "index +0.233"}
-    (text,) = length_warnings(found, {"causes": []}, index)
+    (text,) = rigid_length_warnings(found, {"causes": []}, index)
     assert words in text
     assert "pool_corners_px" not in text
 
@@ -440,7 +442,7 @@ def test_a_keypoint_file_of_another_camera_is_a_warning(tmp_path):
     for trial in ("T09", "T10", "T11"):
         keypoints(study, results, trial)
     geometry(study, results)
-    (text,) = length_warnings(read_json(results / "geometry.json"), {"causes": []})
+    (text,) = rigid_length_warnings(read_json(results / "geometry.json"), {"causes": []})
     assert text.startswith("Trial T11: the robot's rigid lengths come out +3.")
     assert "turned, mirrored, cropped, zoomed" in text
 
@@ -794,9 +796,9 @@ def test_check_says_where_nothing_can_check_the_frame_rate(tmp_path):
 
 def test_a_run_without_any_clock_says_so_in_its_outcome(tmp_path):
     study = load_study(small_study(tmp_path / "study"))
-    assert unchecked_clock_notes(study, {}) == []
+    assert unchecked_frame_rate_notes(study, {}) == []
     bare = [t.model_copy(update={"motor_log": None, "flap_hz": None}) for t in study.trials]
-    (text,) = unchecked_clock_notes(study.model_copy(update={"trials": tuple(bare)}), {})
+    (text,) = unchecked_frame_rate_notes(study.model_copy(update={"trials": tuple(bare)}), {})
     assert text.startswith("No trial has a motor_log or flap_hz: nothing can check fps.")
 
 
@@ -807,9 +809,9 @@ def test_a_stated_frequency_without_log_and_tail_beat_is_called_unchecked(tmp_pa
     bare = study.model_copy(update={"trials": tuple(stated)})
     unseen = {"T09": {"ok": True, "flapping": {"flap_hz": 2.4, "video_hz": None}}}
     seen = {**unseen, "T10": {"ok": True, "flapping": {"flap_hz": 2.4, "video_hz": 2.41}}}
-    (text,) = unchecked_clock_notes(bare, unseen)
+    (text,) = unchecked_frame_rate_notes(bare, unseen)
     assert "nothing can check flap_hz" in text
-    assert unchecked_clock_notes(bare, seen) == unchecked_clock_notes(study, unseen) == []
+    assert unchecked_frame_rate_notes(bare, seen) == unchecked_frame_rate_notes(study, unseen) == []
 
 
 def test_a_depth_measured_from_the_floor_is_doubted(tmp_path):

@@ -17,21 +17,21 @@ from bluekoi.fitting import (
     TrialSeries,
     trial_normal_equations,
 )
-from bluekoi.model import TABLE_1, robot_units, two_plate_system
+from bluekoi.model import TABLE_1, robot_scale_ratios, two_plate_system
 from bluekoi.smoothing import smooth_pose
 from bluekoi.study import Trial
 from bluekoi.tuning import (
     HEAD_ANGLE_STD_RAD,
     coefficients_json_and_fit,
+    compiled_trial_system,
     downsampled,
     downsampled_with_head_angle_changes,
     fit_all_trials,
     fit_paper_steps,
     simulation_columns_by_trial,
     study_series,
-    table_1,
-    table_2,
-    trial_kernel,
+    table_1_coefficients,
+    table_2_radius_errors,
     trial_series,
 )
 from bluekoi.tuning.series import INITIAL_STATE_STD, RESTING_VELOCITY_STD
@@ -93,7 +93,10 @@ def test_a_head_angle_error_of_a_trial_hides_its_mean_and_not_its_changes(
     changes = downsampled_with_head_angle_changes(series, 5.0)
     variance = series[0].noise[0, 3, 3] - HEAD_ANGLE_STD_RAD**2 * len(series[0].times)
     assert changes[0].noise[0, 3, 3] == pytest.approx(variance)
-    kernel, base = trial_kernel(series), trial_kernel(series).system.values({})
+    kernel, base = (
+        compiled_trial_system(series),
+        compiled_trial_system(series).system.parameter_vector({}),
+    )
     free = [FreeParameter("keypoint_bias.head_angle_offset"),
             FreeParameter("servo_lag.missing_share")]  # fmt: skip
     noise = Noise(np.zeros(6), np.ones(6), np.ones(4))
@@ -133,7 +136,7 @@ def test_a_trial_knows_the_head_angle_of_the_one_before(
 
 
 def _common_coefficients() -> dict[str, float]:
-    from bluekoi.synthetic.laws import Coefficients
+    from bluekoi.synthetic.ground_truth_physics import Coefficients
 
     common = Coefficients()
     return {"C_Da": common.C_Da, "C_Md": common.C_Md}
@@ -238,7 +241,7 @@ def test_straight_runs_alone_leave_the_turning_coefficients_open(
 def test_tables_have_the_paper_beside_the_study(table_1_study: MeasuredStudy) -> None:
     m = table_1_study
     steps, _, _ = fit_paper_steps(m.study, m.series, m.steady)
-    one, two = table_1(steps), table_2(m.study, steps)
+    one, two = table_1_coefficients(steps), table_2_radius_errors(m.study, steps)
     assert one["power_pct"] == [50, 75, 100]
     assert one["paper_C_Md_kg_m2"] == [0.145, 0.130, 0.104]
     assert set(two["head_angle_deg"]) == {30, 45}
@@ -286,7 +289,7 @@ def test_the_motor_of_a_trial_that_begins_swimming_started_long_before(
     started = one.constants[two_plate_system().constants.index("t_start")]
     assert (started < -100.0) == swims
     assert one.times[0] == 0.0
-    units, expected = robot_units(PAPER_SETUP.robot), np.ones(6)
+    units, expected = robot_scale_ratios(PAPER_SETUP.robot), np.ones(6)
     expected[3:] = INITIAL_STATE_STD[3:] if swims else RESTING_VELOCITY_STD
     assert np.sqrt(np.diag(one.cov))[3:6] == pytest.approx(
         state_std_scaled_to_robot(units, expected)[3:]

@@ -16,8 +16,8 @@ from bluekoi.fitting import (
     cluster_covariance,
     off_bounds,
 )
-from bluekoi.fitting.joint_fit import free_definitions
-from bluekoi.model import RobotUnits, two_plate_system
+from bluekoi.fitting.joint_fit import free_parameter_definitions
+from bluekoi.model import RobotScaleRatios, two_plate_system
 from bluekoi.report import identifiability, tables
 from bluekoi.study import Study, Trial
 from bluekoi.tuning import (
@@ -26,13 +26,13 @@ from bluekoi.tuning import (
     downsampled,
     fit_all_trials,
     fit_paper_steps,
-    table_1,
+    table_1_coefficients,
 )
 from bluekoi.tuning.joint_fit import (
     START_NOISE,
     JointFit,
 )
-from bluekoi.tuning.results import straight_swimming
+from bluekoi.tuning.results import straight_swimming_stability
 from bluekoi.tuning.similar_robots import noise_scaled_to_robot
 from paper_robot import PAPER_SETUP
 from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
@@ -56,10 +56,12 @@ def tuned_at(
     push[2] = pull * widths * TRUTH[2]
     normal = NormalEquationsByTrial(H, g + H @ push, np.zeros(trials))
     free = tuple(FreeParameter(n) for n in NAMES)
-    known = free_definitions(two_plate_system(), free)
+    known = free_parameter_definitions(two_plate_system(), free)
     found = ParameterFit(free, values, normal, "", 1, known)
     spread = cluster_covariance(normal, off_bounds(found))
-    return JointFit(found, START_NOISE, spread.cov, two_plate_system().values({}), spread.df)
+    return JointFit(
+        found, START_NOISE, spread.cov, two_plate_system().parameter_vector({}), spread.df
+    )
 
 
 def at_lower_bound(pull: float, **more: float) -> JointFit:
@@ -163,7 +165,7 @@ def test_one_trial_determines_nothing_in_the_joint_fit_and_in_the_three_steps(
             assert not row["determined"], name
             assert row["std"] is None or "at_bound" in row
             assert "one trial" in row["why"] or "at its bound" in row["why"]
-    one = table_1(steps)
+    one = table_1_coefficients(steps)
     assert np.isnan(one["C_T_std_m2"][0])
     assert "C_T_upper_95_m2" in one
 
@@ -172,7 +174,7 @@ def test_one_turn_says_nothing_of_straight_swimming(fit_with_one_turn) -> None:
     study, series = fit_with_one_turn
     joint = fit_all_trials(series)
     steps = {"75": {"flap_hz": 3.4}}
-    row = straight_swimming(study, steps, joint, np.tile(TRUTH, (3, 1)), series=series)
+    row = straight_swimming_stability(study, steps, joint, np.tile(TRUTH, (3, 1)), series=series)
     assert row["stable"] is None
     assert row["interval_95"] is None
     assert "fewer than two turning trials" in row["sentence"]
@@ -197,7 +199,7 @@ def test_the_report_says_at_its_bound_and_never_plus_minus_nothing(shown_figures
     assert "(at its bound, 95 % limit " in row.cells[0]
     assert row.cells[1] == "–"
     assert row.marked
-    (power,) = tables.table_1(shown_figures)
+    (power,) = tables.coefficients_per_power_table(shown_figures)
     text, open_, why = power["cells"][2]
     assert "(at its bound, 95 % limit " in text
     assert open_
@@ -210,13 +212,15 @@ def test_the_report_says_at_its_bound_and_never_plus_minus_nothing(shown_figures
 def test_table_1_shows_the_interval_that_stands_in_the_file(shown_figures) -> None:
     cells = shown_figures.coefficients["paper_steps"]["75"]["coefficients"]
     low, high = cells["C_T"]["interval_95"]
-    (power,) = tables.table_1(shown_figures)
+    (power,) = tables.coefficients_per_power_table(shown_figures)
     assert float(power["cells"][0][0].split(" ± ")[1]) == pytest.approx(0.5 * (high - low), rel=0.1)
 
 
-@pytest.mark.parametrize("units", [RobotUnits(14.0, 2.4, 1.55), RobotUnits(0.02, 0.3, 0.55)])
+@pytest.mark.parametrize(
+    "units", [RobotScaleRatios(14.0, 2.4, 1.55), RobotScaleRatios(0.02, 0.3, 0.55)]
+)
 def test_random_forces_of_a_first_fit_give_every_robot_the_same_accelerations(
-    units: RobotUnits,
+    units: RobotScaleRatios,
 ) -> None:
     """With 0.5 mN m for a robot of 0.89 kg m2, a first fit ended at negative lift and drag."""
     found = noise_scaled_to_robot(units, START_NOISE).disturbance / START_NOISE.disturbance

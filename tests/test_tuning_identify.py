@@ -76,7 +76,7 @@ BOUNDS = {"C_Da": 40.0, "C_La": 4.2, "C_Ma": -1.0, "C_Md": 5.0}
 def fit_at_bounds(straight_runs_fit) -> JointFit:
     """The straight runs' fit as it comes out where three numbers run to their bounds."""
     found = fit_all_trials(straight_runs_fit)
-    values = np.array([BOUNDS.get(n, v) for n, v in found.fit.by_label().items()])
+    values = np.array([BOUNDS.get(n, v) for n, v in found.fit.values_by_label().items()])
     fit = replace(found.fit, values=values, outcome=AT_BOUND_REASON)
     spread = cluster_covariance(fit.normal, off_bounds(fit))
     return JointFit(fit, found.noise, spread.cov, found.base, spread.df, spread.influence)

@@ -55,7 +55,7 @@ def fit_trials(series: list[TrialSeries], **more):
     return fit_trajectories(
         compile_system(two_plate_system()),
         series,
-        two_plate_system().values({}),
+        two_plate_system().parameter_vector({}),
         [FreeParameter(n) for n in NAMES],
         start=start,
         **more,
@@ -104,7 +104,10 @@ def test_more_numbers_than_lanes_are_refused() -> None:
     free = [FreeParameter(p.name) for p in two_plate_system().parameters[:12]]
     with pytest.raises(ValueError, match="18 numbers a trial, at most 15"):
         fit_trajectories(
-            compile_system(two_plate_system()), series, two_plate_system().values({}), free
+            compile_system(two_plate_system()),
+            series,
+            two_plate_system().parameter_vector({}),
+            free,
         )
 
 

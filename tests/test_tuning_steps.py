@@ -18,7 +18,7 @@ from bluekoi.fitting import (
     off_bounds,
     student_t_draws,
 )
-from bluekoi.fitting.joint_fit import free_definitions
+from bluekoi.fitting.joint_fit import free_parameter_definitions
 from bluekoi.model import two_plate_system
 from bluekoi.tuning import JointFit, downsampled, fit_all_trials
 from bluekoi.tuning.draws import response_to_parameters_at_bounds, sample_parameters
@@ -39,10 +39,15 @@ def fit_result(
 ) -> JointFit:
     spread = cluster_covariance(normal, **more)  # type: ignore[arg-type]
     free = tuple(FreeParameter(n) for n in names)
-    known = free_definitions(two_plate_system(), free)
+    known = free_parameter_definitions(two_plate_system(), free)
     fit = ParameterFit(free, values, normal, "", 1, known)
     return JointFit(
-        fit, START_NOISE, spread.cov, two_plate_system().values({}), spread.df, spread.influence
+        fit,
+        START_NOISE,
+        spread.cov,
+        two_plate_system().parameter_vector({}),
+        spread.df,
+        spread.influence,
     )
 
 
@@ -114,9 +119,9 @@ def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(three_step
 
     def refitted(by: float) -> np.ndarray:
         changed = second.base.copy()
-        changed[two_plate_system().slot["C_D0"]] += by
+        changed[two_plate_system().parameter_index["C_D0"]] += by
         return fit_all_trials(turns, second.fit.free, base=changed, noise=second.noise,
-                    start=second.fit.by_label()).fit.values  # fmt: skip
+                    start=second.fit.values_by_label()).fit.values  # fmt: skip
 
     # half the difference of two refits: how far one fit stops from its optimum cancels
     moved = 0.5 * (refitted(change) - refitted(-change))
@@ -159,7 +164,7 @@ def test_draws_are_as_wide_as_students_intervals_number_by_number() -> None:
         NormalEquationsByTrial(np.zeros((1, 3, 3)), np.zeros((1, 3)), np.zeros(1)),
         "",
         1,
-        free_definitions(two_plate_system(), free),
+        free_parameter_definitions(two_plate_system(), free),
     )
     rows = student_t_draws(fit, spread, 40_000, np.random.default_rng(2)) - values
     for level in (0.5, 0.95):

@@ -29,15 +29,15 @@ from bluekoi.errors import InputError
 from bluekoi.files import atomic_write
 from bluekoi.integrate import compiled_system
 from bluekoi.stages.compiling import precompile_model, precompile_model_with_effects
-from bluekoi.stages.layout import ResultPaths
-from bluekoi.stages.manifest import record_file_states
+from bluekoi.stages.manifest import record_file_sizes_and_times
 from bluekoi.stages.outcome import outcome
+from bluekoi.stages.result_paths import ResultPaths
 from bluekoi.study import load_study
 from bluekoi.workflow import figure_sources, provenance
 from bluekoi.workflow.figure_sources import figure_names
 from bluekoi.workflow.forkserver_client import (
-    ADDRESS_ENVIRONMENT_VARIABLE,
     EXIT_RUN_ENDED,
+    FORKSERVER_SOCKET_VARIABLE,
     request_stage,
 )
 from bluekoi.workflow.lock import acquire_lock, remove_stale_locks, remove_temporary_files
@@ -45,10 +45,14 @@ from bluekoi.workflow.plan import make_plan
 from bluekoi.workflow.progress import (
     SnakemakeMessageFilter,
     SnakemakeProgressHandler,
-    signal_that_killed,
+    killing_signal_name,
 )
-from bluekoi.workflow.remaining_time import Timing, duration_text, durations_of_last_run_s
-from bluekoi.workflow.run_start import without_rate_limit
+from bluekoi.workflow.remaining_time import (
+    RemainingTimeEstimator,
+    duration_text,
+    durations_of_last_run_s,
+)
+from bluekoi.workflow.run_start import remove_job_rate_limit
 from forked_snakemake import snakemake
 from small_studies import edit_trials_csv, small_study
 
@@ -347,7 +351,7 @@ def test_a_report_older_than_the_verdict_is_not_shown_as_that_of_the_run(workflo
 
 def test_a_file_that_changes_while_the_run_works_is_named(workflow):
     results = workflow.root / "results/study"
-    record_file_states(load_study(workflow.study), results)
+    record_file_sizes_and_times(load_study(workflow.study), results)
     edit_trials_csv(workflow.study, T10={"head_length_m": "0.1211"})
     outcome(workflow.study, results)
     said = json.loads((results / "outcome.json").read_text())["warnings"]
@@ -358,7 +362,7 @@ def test_a_file_that_changes_while_the_run_works_is_named(workflow):
 
 def test_files_that_the_run_itself_makes_are_not_named_as_changed(workflow):
     results = workflow.root / "results/study"
-    record_file_states(load_study(workflow.study), results, made_by_run=True)
+    record_file_sizes_and_times(load_study(workflow.study), results, made_by_run=True)
     edit_trials_csv(workflow.study, T10={"head_length_m": "0.1212"})
     outcome(workflow.study, results)
     assert json.loads((results / "manifest.json").read_text())["changed_during_run"] == []
@@ -381,13 +385,13 @@ def test_trials_whose_results_are_gone_or_cut_short_are_due(
     monkeypatch.setattr(figure_sources, "PACKAGE_FOLDER", tmp_path / "home/pipeline/bluekoi")
     monkeypatch.setattr(provenance, "PACKAGE_FOLDER", tmp_path / "home/pipeline/bluekoi")
     plan = make_plan({**SETTINGS, "study": "study"})
-    assert plan.due == {"keypoints": set(), "tracks": set(), "overlay": set()}
+    assert plan.due_trials_by_stage == {"keypoints": set(), "tracks": set(), "overlay": set()}
     track = plan.results / "tracks/T10.csv"
     track.write_bytes(track.read_bytes()[:100])
     (plan.results / "status/T11.json").write_text("{")
     again = make_plan({**SETTINGS, "study": "study"})
-    assert again.due["tracks"] == {"T10", "T11"}
-    assert again.due["keypoints"] == set()
+    assert again.due_trials_by_stage["tracks"] == {"T10", "T11"}
+    assert again.due_trials_by_stage["keypoints"] == set()
 
 
 def test_results_that_cannot_be_written_are_reported_at_the_door(
@@ -414,20 +418,20 @@ def test_the_workflow_lints_clean(finished_workflow):
 
 
 def test_time_left_is_work_over_pace():
-    timing = Timing()
-    timing.expect({"tracks": 4, "all": 1, "total": 5})
+    timing = RemainingTimeEstimator()
+    timing.set_expected_jobs({"tracks": 4, "all": 1, "total": 5})
     timing.job_started(1, "tracks", 0.0)
     timing.job_started(2, "tracks", 0.0)
     assert timing.remaining_s(5.0) is None
     assert timing.job_finished(1, 10.0) == "tracks"
     timing.job_finished(2, 10.0)
-    assert (timing.done, timing.total) == (2, 4)
+    assert (timing.finished_job_count, timing.total_job_count) == (2, 4)
     assert timing.remaining_s(10.0) == pytest.approx(10.0)  # 20 s of work, two at a time
 
 
 def test_the_first_job_of_a_first_run_is_no_measure_of_its_time():
-    timing = Timing()
-    timing.expect({"demo": 24, "tracks": 24})
+    timing = RemainingTimeEstimator()
+    timing.set_expected_jobs({"demo": 24, "tracks": 24})
     for job in range(5):
         timing.job_started(job, "demo", 10.0 * job)
         timing.job_finished(job, 10.0 * job + 10.0)
@@ -439,16 +443,16 @@ def test_time_left_before_the_long_jobs_is_what_they_took_the_last_time(tmp_path
     for name, s in (("tracks/T1", 5.0), ("tuning", 60.0), ("mismatch", 120.0)):
         (tmp_path / f"benchmarks/{name}.tsv").write_text(f"s\th:m:s\n{s}\t0:01\n")
     (tmp_path / "benchmarks/report.tsv").write_text("")
-    timing = Timing(durations_of_last_run_s(tmp_path))
-    timing.expect({"tracks": 1, "tuning": 1, "mismatch": 1})
+    timing = RemainingTimeEstimator(durations_of_last_run_s(tmp_path))
+    timing.set_expected_jobs({"tracks": 1, "tuning": 1, "mismatch": 1})
     timing.job_started(1, "tracks", 0.0)
     timing.job_finished(1, 10.0)
     assert timing.remaining_s(10.0) == pytest.approx(2 * 180.0)  # twice as slow as the last time
 
 
 def test_a_single_job_that_takes_longer_than_foreseen_is_not_said_to_end_soon():
-    timing = Timing({"tracks": 1.0, "mismatch": 10.0})
-    timing.expect({"tracks": 1, "mismatch": 1})
+    timing = RemainingTimeEstimator({"tracks": 1.0, "mismatch": 10.0})
+    timing.set_expected_jobs({"tracks": 1, "mismatch": 1})
     timing.job_started(1, "tracks", 0.0)
     timing.job_finished(1, 1.0)
     timing.job_started(2, "mismatch", 1.0)
@@ -471,7 +475,7 @@ def test_a_long_stage_is_reported_with_the_last_line_of_its_log(tmp_path):
     while stream.getvalue().count("refits with ?[31mstall") < 2 and time.monotonic() < deadline:
         time.sleep(0.05)
     assert stream.getvalue().count("[0/1] mismatch: refits with ?[31mstall") >= 2
-    progress.farewell()
+    progress.print_final_summary()
     progress.ticker.join(10)
     assert not progress.ticker.is_alive()
 
@@ -481,7 +485,7 @@ def test_a_run_ends_with_the_warnings_of_trials_and_search_and_the_verdict(tmp_p
     found = {"sentence": "The clock is wrong.", "warnings": ["Look at T2."]}
     (tmp_path / "mismatch.json").write_text(json.dumps(found))
     progress = SnakemakeProgressHandler(tmp_path / "report.html", stream := io.StringIO())
-    progress.farewell()
+    progress.print_final_summary()
     assert stream.getvalue().splitlines() == [
         "Warning: T1: fps?", "Warning: Look at T2.", "Verdict: The clock is wrong.",
     ]  # fmt: skip
@@ -549,7 +553,7 @@ def test_a_job_whose_run_was_killed_ends_without_results(workflow):
 
 def test_a_job_without_preloaded_process_runs_its_stage_itself(tmp_path, monkeypatch):
     address = tmp_path / "socket"
-    monkeypatch.setenv(ADDRESS_ENVIRONMENT_VARIABLE, str(address))
+    monkeypatch.setenv(FORKSERVER_SOCKET_VARIABLE, str(address))
     assert request_stage(["steady"]) == EXIT_RUN_ENDED  # which removed its socket
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(str(address))
@@ -788,8 +792,8 @@ def test_a_killed_stage_is_reported_with_what_to_do(tmp_path, end):
 
 
 def test_a_stage_that_ends_by_itself_was_not_killed():
-    assert signal_that_killed("Command 'python3' returned non-zero exit status 1.") == ""
-    assert signal_that_killed("Command 'python3' returned non-zero exit status 255.") == ""
+    assert killing_signal_name("Command 'python3' returned non-zero exit status 1.") == ""
+    assert killing_signal_name("Command 'python3' returned non-zero exit status 255.") == ""
 
 
 def test_an_interrupted_run_says_so_once_and_blames_no_stage(tmp_path):
@@ -815,5 +819,5 @@ def test_jobs_a_second_are_limited_on_a_cluster_only(*, here: bool, limited: boo
     workflow = SimpleNamespace(
         local_exec=here, scheduler=SimpleNamespace(job_rate_limiter=object())
     )
-    without_rate_limit(workflow)
+    remove_job_rate_limit(workflow)
     assert (workflow.scheduler.job_rate_limiter is not None) == limited

@@ -1,4 +1,4 @@
-"""How much of a law a model with other functional forms leaves (`PRIOR_DISCREPANCY_SHARES`).
+"""How much of a law a model with other functional forms leaves (`PRIOR_RELATIVE_DISCREPANCY_STDS`).
 
 Each functional form of a cause is left out in turn. What the coefficients, the cause's strength and
 its remaining forms cannot represent of it, M v, is compared with residual terms of the state in the
@@ -20,19 +20,19 @@ import numpy as np
 
 from bluekoi.campaign import load_campaign
 from bluekoi.data import Float
-from bluekoi.engine.candidates import Candidate, strength_step
+from bluekoi.engine.candidates import CandidateCause, strength_difference_step
+from bluekoi.engine.cause_set_fit import fit_cause_set
 from bluekoi.engine.expansion import LikelihoodExpansion, expand_likelihood_in_all_forms
 from bluekoi.engine.problem import CauseSearchProblem
-from bluekoi.engine.refit import fit_cause_set
 from bluekoi.fitting import rms_forces_of_parameter_changes
-from bluekoi.mismatch.robot_problem import robot_problem
+from bluekoi.mismatch.robot_problem import robot_cause_search_problem
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
 from bluekoi.tuning import (
+    compiled_trial_system,
     downsampled,
     downsampled_with_head_angle_changes,
     fit_all_trials,
-    trial_kernel,
 )
 
 RIDGE = 1e-9
@@ -44,10 +44,12 @@ def relative_residuals(study: Path, results: Path) -> dict[str, list[float]]:
     """Cause -> kappa^2 of each of its forms, in the designs of a measured study's trials."""
     campaign = load_campaign(results, load_study(study), measured=True)
     series = campaign_series(campaign, campaign_flapping(campaign))
-    kernel, baseline = trial_kernel(series), fit_all_trials(downsampled(series))
+    kernel, baseline = compiled_trial_system(series), fit_all_trials(downsampled(series))
     fitted = downsampled_with_head_angle_changes(series)
-    problem = robot_problem(kernel, fitted, baseline, displaced=(), progress=lambda _: None)
-    model = fit_cause_set(problem, (), problem.noise, baseline.fit.by_label())
+    problem = robot_cause_search_problem(
+        kernel, fitted, baseline, displaced=(), progress=lambda _: None
+    )
+    model = fit_cause_set(problem, (), problem.noise, baseline.fit.values_by_label())
     expansion, _ = expand_likelihood_in_all_forms(
         problem, model
     )  # strengths in their leading forms
@@ -63,7 +65,9 @@ def _relative_residuals_by_form(
     H = expansion.hessian.sum(axis=0)
     for candidate in problem.candidates:
         forms = expansion.forms[candidate.name]
-        covered = [t for t in problem.candidates if problem.covers(candidate, t)]
+        covered = [
+            t for t in problem.candidates if problem.cause_covers_residual_term(candidate, t)
+        ]
         terms = [c for t in covered for c in expansion.strengths[t.name]]
         strengths = list(expansion.strengths[candidate.name])
         if not (forms and terms):
@@ -78,21 +82,21 @@ def _relative_residuals_by_form(
 def _force_ratios(
     problem: CauseSearchProblem,
     expansion: LikelihoodExpansion,
-    cause: Candidate,
-    terms: Sequence[Candidate],
+    cause: CandidateCause,
+    terms: Sequence[CandidateCause],
 ) -> Float:
     """Force of a unit strength of a cause over that of each term's, in the term's channel; 0 for
     all terms of a cause without force.
     """
     model, system = expansion.model, problem.kernel.system
-    points = problem.points(model.fit.free, model.fit.values)
+    points = problem.trial_parameter_vectors(model.fit.free, model.fit.values)
     frees = [cause.strengths[0], *(f for t in terms for f in t.strengths)]
-    steps = [strength_step(system, f) for f in frees]
+    steps = [strength_difference_step(system, f) for f in frees]
     changes = []
     for free, step in zip(frees, steps, strict=True):
         moved = [v.copy() for v in points]
         for v in moved:
-            v[system.slot[free.name]] += step
+            v[system.parameter_index[free.name]] += step
         changes.append(moved)
     found = rms_forces_of_parameter_changes(
         problem.kernel, model.passes, points, changes, model.noise

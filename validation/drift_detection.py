@@ -13,7 +13,7 @@ from bluekoi.fitting import TrialSeries
 from bluekoi.mismatch.drift import add_drift, trial_with_camera_drift
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
-from bluekoi.tuning import downsampled, fit_all_trials, trial_kernel
+from bluekoi.tuning import compiled_trial_system, downsampled, fit_all_trials
 
 DRIFT_SIZE_M = 0.085
 """Drift that is put in: 40 px of a usual picture."""
@@ -32,8 +32,10 @@ def drift_detections(study: Path, results: Path) -> tuple[bool, bool]:
 
 def _reported_trial(series: Sequence[TrialSeries]) -> str:
     """Name of the trial that is reported, or no text."""
-    kernel, model = trial_kernel(series), fit_all_trials(series)
-    found = trial_with_camera_drift(kernel, series, model.trial_values(kernel, series), model.noise)
+    kernel, model = compiled_trial_system(series), fit_all_trials(series)
+    found = trial_with_camera_drift(
+        kernel, series, model.parameter_vectors_by_trial(kernel, series), model.noise
+    )
     return found.trial if found else ""
 
 

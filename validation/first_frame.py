@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bluekoi.engine.own_noise import fit_without_causes
+from bluekoi.engine.noise_estimation import fit_without_causes
 from bluekoi.engine.problem import CauseSearchProblem
 from bluekoi.fitting import TrialSeries
 

@@ -16,11 +16,15 @@ from pathlib import Path
 
 import numpy as np
 
-from bluekoi.engine import fit_cause_set, fit_own_noise, search_cause_sets
+from bluekoi.engine import fit_cause_set, fit_noise_and_parameters, search_cause_sets
 from bluekoi.engine.fitted_sets import FittedCauseSets
-from bluekoi.engine.own_noise import MAX_NOISE_ROUNDS, NOISE_STEPS, noise_with_small_random_forces
+from bluekoi.engine.noise_estimation import (
+    MAX_NOISE_ROUNDS,
+    NOISE_STEPS,
+    noise_with_small_random_forces,
+)
 from bluekoi.engine.problem import CauseSearchProblem
-from bluekoi.fitting import Noise, disturbance_slots
+from bluekoi.fitting import Noise, random_state_indices
 from bluekoi.model.random_current import EFFECT_STATE_NAMES as CURRENT_STATE_NAMES
 
 from .search_limits import study_problem
@@ -47,7 +51,7 @@ def gains_of_sets(visited: FittedCauseSets, start: Mapping[str, float]) -> list[
 
 def _gains(visited: FittedCauseSets, key: frozenset[str], start: Mapping[str, float]) -> Gains:
     problem, model = visited.problem, visited.sets[key].model
-    known = {**start, **model.fit.by_label()}
+    known = {**start, **model.fit.values_by_label()}
     starts = {
         f"{share:g}  {time:g} s": noise_with_small_random_forces(
             problem, problem.noise, share=share, time_s=time
@@ -57,7 +61,7 @@ def _gains(visited: FittedCauseSets, key: frozenset[str], start: Mapping[str, fl
 
     def reached(noise: Noise, factor: int = 1) -> float:
         begun = fit_cause_set(problem, model.causes, noise, known)
-        return fit_own_noise(problem, begun, most=factor * MAX_NOISE_ROUNDS,
+        return fit_noise_and_parameters(problem, begun, most=factor * MAX_NOISE_ROUNDS,
                              steps=factor * NOISE_STEPS).log_joint  # fmt: skip
 
     first = reached(problem.noise)
@@ -68,7 +72,7 @@ def _gains(visited: FittedCauseSets, key: frozenset[str], start: Mapping[str, fl
 def _noises_with_other_currents(problem: CauseSearchProblem) -> dict[str, Noise]:
     """Start -> noise; none of a problem without a random current."""
     noise, system = problem.noise, problem.kernel.system
-    slots = disturbance_slots(problem.kernel)[: len(noise.disturbance)]
+    slots = random_state_indices(problem.kernel)[: len(noise.disturbance)]
     own = np.array([system.all_states[slot] in CURRENT_STATE_NAMES for slot in slots])
     if not own.any():
         return {}

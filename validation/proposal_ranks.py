@@ -2,9 +2,10 @@
 
 Each cause of that set is left out in turn. The expansion about the set without it proposes causes
 to add. Its rank among the listed causes (of a residual term: among these terms) is compared with
-the numbers that a search fits (`REFITS_PER_SET`, `REPLACEMENTS_PER_SET`, `MIN_REFITS_PER_SET`); its
-log odds by the expansion, and how far they are below those of the first proposal, are compared with
-`MIN_LOG_ODDS_TO_REFIT` and `MAX_LOG_ODDS_TO_PROPOSE`.
+the numbers that a search fits (`MAX_ADDED_CAUSE_REFITS_PER_SET`,
+`MAX_REPLACEMENT_REFITS_PER_CAUSE`, `MIN_REFITS_PER_SET`); its log odds by the expansion, and how
+far they are below those of the first proposal, are compared with `MIN_LOG_ODDS_TO_REFIT` and
+`MAX_LOG_ODDS_BELOW_BEST_PROPOSAL`.
 """
 
 from __future__ import annotations
@@ -42,13 +43,15 @@ def proposed_causes(study: Path, results: Path) -> list[ProposedCause]:
 
 def proposed_causes_of(visited: FittedCauseSets) -> list[ProposedCause]:
     """Causes of the most probable set that the expansion about the set without them proposes."""
-    best, by_name, out = visited.best, visited.problem.by_name, []
+    best, by_name, out = visited.best, visited.problem.candidate_by_name, []
     for cause in best.causes:
         less = visited.sets.get(best.model.key - {cause})
         if less is None or not np.isfinite(less.log_posterior):
             continue
         among = allowed_candidates(visited.problem, less.causes)
-        found = rank_further_causes(visited.problem, visited.expansion(less), among)
+        found = rank_further_causes(
+            visited.problem, visited.expansion_in_all_candidates(less), among
+        )
         alike = [(gain, name) for gain, name in found
                  if by_name[name].is_residual == by_name[cause].is_residual]  # fmt: skip
         for rank, (gain, name) in enumerate(alike, 1):

@@ -30,7 +30,9 @@ def length_misfit(directory: Path, name: str) -> MisfitRow | None:
     shared = with_rigid_length_measurement(series, geometry, loaded.setup)[0].shared
     if shared is None:
         return None
-    errors = shared.errors(system.values({})[[system.slot[n] for n in shared.parameters]])
+    errors = shared.errors(
+        system.parameter_vector({})[[system.parameter_index[n] for n in shared.parameters]]
+    )
     truth = json.loads((directory / "truth" / f"{name}.json").read_text(encoding="utf-8"))
     causes = {cause["name"] for cause in truth["causes"]}
     stretched = bool(causes & {e.name for e in effects_that_change_lengths(system)})

@@ -17,19 +17,19 @@ import numpy as np
 
 from bluekoi.campaign import load_campaign
 from bluekoi.engine import CauseSearchProblem, posterior_over_sets, search_cause_sets
+from bluekoi.engine.cause_set_fit import fit_cause_set
 from bluekoi.engine.fitted_sets import FittedCauseSets
-from bluekoi.engine.own_noise import fit_own_noise
-from bluekoi.engine.refit import fit_cause_set
+from bluekoi.engine.noise_estimation import fit_noise_and_parameters
 from bluekoi.engine.set_score import refit_with_discrepancy, score_cause_set
-from bluekoi.mismatch.find import SEARCH_RATE_HZ
-from bluekoi.mismatch.robot_problem import robot_problem
+from bluekoi.mismatch.find import SEARCH_SAMPLING_RATE_HZ
+from bluekoi.mismatch.robot_problem import robot_cause_search_problem
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
 from bluekoi.tuning import (
+    compiled_trial_system,
     downsampled,
     downsampled_with_head_angle_changes,
     fit_all_trials,
-    trial_kernel,
 )
 
 
@@ -51,10 +51,12 @@ def study_problem(study: Path, results: Path) -> tuple[CauseSearchProblem, dict[
     """Problem of a measured study, all of whose trials are fitted, and the fitted coefficients."""
     campaign = load_campaign(results, load_study(study), measured=True)
     series = campaign_series(campaign, campaign_flapping(campaign))
-    kernel, baseline = trial_kernel(series), fit_all_trials(downsampled(series))
-    searched = downsampled_with_head_angle_changes(series, SEARCH_RATE_HZ)
-    problem = robot_problem(kernel, searched, baseline, displaced=(), progress=lambda _: None)
-    return problem, baseline.fit.by_label()
+    kernel, baseline = compiled_trial_system(series), fit_all_trials(downsampled(series))
+    searched = downsampled_with_head_angle_changes(series, SEARCH_SAMPLING_RATE_HZ)
+    problem = robot_cause_search_problem(
+        kernel, searched, baseline, displaced=(), progress=lambda _: None
+    )
+    return problem, baseline.fit.values_by_label()
 
 
 def limit_effects(study: Path, results: Path) -> LimitEffects:
@@ -87,10 +89,10 @@ def round_gains(visited: FittedCauseSets, start: Mapping[str, float]) -> tuple[f
     for key in visited.converged:
         final = visited.sets[key]
         once = fit_cause_set(
-            problem, final.causes, problem.noise, {**start, **final.model.fit.by_label()}
+            problem, final.causes, problem.noise, {**start, **final.model.fit.values_by_label()}
         )
-        if once.usable and np.isfinite(final.log_posterior):
-            one_round = score_cause_set(problem, fit_own_noise(problem, once, most=1))
+        if once.is_finite and np.isfinite(final.log_posterior):
+            one_round = score_cause_set(problem, fit_noise_and_parameters(problem, once, most=1))
             out.append(final.log_posterior - one_round.log_posterior)
     return tuple(gain for gain in out if np.isfinite(gain))
 

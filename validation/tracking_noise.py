@@ -9,14 +9,14 @@ import numpy as np
 
 from bluekoi.files import write_text
 from bluekoi.synthetic.body import KEYPOINTS
-from bluekoi.synthetic.campaign import (
-    write_motor,
+from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
+from bluekoi.synthetic.study_rendering import (
     write_study_files,
     write_study_truth,
-    write_truth,
+    write_trial_motor_log,
+    write_trial_truth,
 )
-from bluekoi.synthetic.design import StudyDesign
-from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
+from bluekoi.synthetic.synthetic_study_design import StudyDesign
 from bluekoi.synthetic.trial import frame_truth, solve_trial, trial_rng
 
 __all__ = ["TrackingNoise", "dlc_text", "keypoint_study", "tracked_keypoints"]
@@ -115,6 +115,6 @@ def keypoint_study(
             truth_px, noise or TrackingNoise(), rng, step_s=1 / rate
         )
         write_text(folder / "keypoints" / f"{plan.trial_id}.csv", dlc_text(seen, likelihood))
-        write_motor(design, trial, folder)
-        write_truth(design, trial, truth_folder)
+        write_trial_motor_log(design, trial, folder)
+        write_trial_truth(design, trial, truth_folder)
     write_study_truth(design, truth_folder)

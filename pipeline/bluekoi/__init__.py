@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from .model import Simulation, simulate
     from .study import Study, Trial, load_study
 
-_MODULES = {
+_MODULE_BY_PUBLIC_NAME = {
     "Campaign": "campaign",
     "InputError": "errors",
     "Simulation": "model",
@@ -82,9 +82,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    if name not in _MODULES:
+    if name not in _MODULE_BY_PUBLIC_NAME:
         raise AttributeError(f"module 'bluekoi' has no attribute {name!r}")
-    return getattr(import_module(f".{_MODULES[name]}", __name__), name)
+    return getattr(import_module(f".{_MODULE_BY_PUBLIC_NAME[name]}", __name__), name)
 
 
 def __dir__() -> list[str]:

@@ -19,7 +19,7 @@ T = TypeVar("T")
 JsonMapping = Mapping[str, Any]
 MIN_SHARE_OF_TRACK_SIMULATED = 0.8
 """Share of a track that a simulated path must cover to be judged."""
-MAX_SHOWN_ERROR_PCT = 1000.0
+DIVERGED_ABOVE_ERROR_PCT = 1000.0
 """A larger error counts as a diverged model."""
 
 
@@ -129,7 +129,7 @@ class Campaign:
         """
         errors = ((self.mismatch or {}).get("held_out") or {}).get(model) or {}
         value = float("nan") if errors.get(key) is None else float(errors[key])
-        most = self.study.setup.pool.width_m if key.endswith("_m") else MAX_SHOWN_ERROR_PCT
+        most = self.study.setup.pool.width_m if key.endswith("_m") else DIVERGED_ABOVE_ERROR_PCT
         return float("inf") if value > most else value
 
     def why_left_out(self, trial_id: str) -> str:
@@ -178,7 +178,7 @@ def load_campaign(
         coefficients=read_json_if_present(root / "coefficients.json") or {},
         mismatch=read_json_if_present(root / "mismatch.json"),
         mismatch_detail=read_json_if_present(root / "mismatch_detail.json"),
-        simulations=_read_model_paths(root, ids),
+        simulations=_read_simulated_paths(root, ids),
     )
 
 
@@ -189,7 +189,7 @@ def _read_files_by_trial(
     return {name: read(path) for name, path in paths.items() if path.is_file()}
 
 
-def _read_model_paths(root: Path, ids: Sequence[str]) -> dict[str, dict[str, Float]]:
+def _read_simulated_paths(root: Path, ids: Sequence[str]) -> dict[str, dict[str, Float]]:
     """Trial -> columns of its model paths, those of the search beside those of the tuning."""
     tuned, extended = (_read_files_by_trial(root / folder, ids, ".csv", _read_simulation)
                        for folder in ("simulations", "extended"))  # fmt: skip

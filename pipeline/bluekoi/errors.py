@@ -11,7 +11,7 @@ EXIT_USAGE = 2
 """An option or argument that the command does not have."""
 EXIT_INTERRUPTED = 130
 """Exit code of a command that was interrupted from the keyboard."""
-MIN_ROWS_TO_MERGE = 4
+MIN_ROWS_TO_MERGE_ISSUES = 4
 """The same finding in as many rows of a table or more is shown as one line."""
 FINDING_ROW_PATTERN = re.compile(r"row (\d+) \(([^()]*)\), (.+)")
 """Place of a finding in a row: its number, the trial, the column."""
@@ -75,11 +75,11 @@ def _merge_row_findings(findings: Iterable[InputIssue]) -> list[InputIssue]:
     return [
         one
         for same in groups.values()
-        for one in (same if len(same) < MIN_ROWS_TO_MERGE else [_finding_for_rows(same)])
+        for one in (same if len(same) < MIN_ROWS_TO_MERGE_ISSUES else [_merged_row_finding(same)])
     ]
 
 
-def _finding_for_rows(same: list[InputIssue]) -> InputIssue:
+def _merged_row_finding(same: list[InputIssue]) -> InputIssue:
     """One finding for all the rows that `same` stand for."""
     rows = [row for one in same if (row := FINDING_ROW_PATTERN.fullmatch(one.where))]
     if not rows:

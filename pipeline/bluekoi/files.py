@@ -34,7 +34,7 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
             dir=target.parent, prefix=f".{target.stem}-", suffix=target.suffix
         )
     except OSError as error:
-        raise _write_error(target, error) from error
+        raise _input_error_of_failed_write(target, error) from error
     os.close(handle)
     temporary = Path(name)
     try:
@@ -42,7 +42,7 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         os.chmod(temporary, 0o666 & ~_current_umask())
         os.replace(temporary, target)
     except OSError as error:
-        raise _write_error(target, error) from error
+        raise _input_error_of_failed_write(target, error) from error
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -141,7 +141,7 @@ def flatten_mapping(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
         yield prefix, value
 
 
-def _write_error(path: Path, error: OSError) -> Exception:
+def _input_error_of_failed_write(path: Path, error: OSError) -> Exception:
     if isinstance(error, (IsADirectoryError, NotADirectoryError, FileExistsError)):
         found = "a folder" if path.is_dir() else "a file where a folder is needed"
         remedy = "Name another file, or choose another results folder."

@@ -11,8 +11,13 @@ from bluekoi.files import write_json
 from bluekoi.model import simulate
 from bluekoi.study import load_study
 from bluekoi.synthetic.eddies import random_eddies, water_velocity
-from bluekoi.synthetic.laws import Fin, GroundTruthPhysics, TrialSettings, published_model_tank
-from bluekoi.synthetic.tank import simulate_true_motion as demo_tank
+from bluekoi.synthetic.ground_truth_physics import (
+    Fin,
+    GroundTruthPhysics,
+    TrialSettings,
+    published_model_physics,
+)
+from bluekoi.synthetic.motion_simulation import simulate_true_motion as demo_tank
 from small_studies import small_study
 from validation.generators.concealed import generate
 from validation.generators.concealed.effects import PHYSICS, UNLISTED
@@ -78,9 +83,11 @@ def test_the_compiled_tank_agrees_with_the_tank_of_the_demo(fin, power, angle_de
     tank = (
         GroundTruthPhysics(fin=fin, recoil=None)
         if fin
-        else published_model_tank(GroundTruthPhysics())
+        else published_model_physics(GroundTruthPhysics())
     )
-    expected = demo_tank(tank, run, SHORT_S).mean(np.linspace(0, SHORT_S, 26))[:, :3]
+    expected = demo_tank(tank, run, SHORT_S).state_without_recoil(np.linspace(0, SHORT_S, 26))[
+        :, :3
+    ]
     laws = HiddenLaws(fin_m2=0.025, fin_arm_m=0.11) if fin else HiddenLaws()
     found = core_path(laws, TrialCommand(power, math.radians(angle_deg), 0.12, 1.0, 0.7, 0.4))
     assert np.allclose(found, expected, atol=1e-6)

@@ -9,7 +9,7 @@ from typing import Any
 
 from bluekoi.campaign import Campaign
 from bluekoi.data import SteadyState
-from bluekoi.report.findings import Row
+from bluekoi.report.findings import TableRow
 from bluekoi.report.numbers import (
     Z_95,
     coefficient_with_interval,
@@ -35,9 +35,9 @@ class GroundTruth:
     sha256: str
     sentence: str
     broken: bool
-    causes: list[Row]
-    coefficients: list[Row]
-    trials: list[Row]
+    causes: list[TableRow]
+    coefficients: list[TableRow]
+    trials: list[TableRow]
     further: list[tuple[str, str]]
 
 
@@ -46,8 +46,8 @@ def ground_truth(campaign: Campaign, seal: Seal) -> GroundTruth:
 
     The truth may contain `hidden` (cause -> parameters) or `causes` (as in mismatch.json),
     `coefficients` (name -> value, or power -> name -> value) and `trials` (list with `trial_id`,
-    `flap_hz`, `speed_m_s`, `radius_m`, and `mean_path` for a comparison over the measured
-    interval); anything else is listed unchanged.
+    `flap_hz`, `speed_m_s`, `radius_m`, and `true_path_without_recoil` for a comparison over the
+    measured interval); anything else is listed unchanged.
     """
     truth = seal.truth
     return GroundTruth(
@@ -72,7 +72,7 @@ def _seal_sentence(seal: Seal) -> str:
     return "This study is synthetic. Its ground truth was not read during the analysis."
 
 
-def _cause_rows(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
+def _cause_rows(campaign: Campaign, truth: Mapping[str, Any]) -> list[TableRow]:
     """Injected and identified causes with their parameters, and whether they agree."""
     true = injected_causes(truth)
     if true is None:
@@ -82,9 +82,9 @@ def _cause_rows(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
     rivals = {str(r["name"]) for r in found.get("rivals") or []}
     if not true and not named:
         outcome = str(found.get("verdict", ""))
-        return [Row("none", ("–", "–", "correct: none" if outcome == "none" else outcome))]
+        return [TableRow("none", ("–", "–", "correct: none" if outcome == "none" else outcome))]
     return [
-        Row(
+        TableRow(
             readable_name(name),
             (
                 _parameter_rows(name, true.get(name)),
@@ -127,7 +127,7 @@ def _fitted_text(cause: str, found: Mapping[str, Any] | None) -> str:
     return ", ".join(texts)
 
 
-def _coefficient_rows(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
+def _coefficient_rows(campaign: Campaign, truth: Mapping[str, Any]) -> list[TableRow]:
     """True coefficients beside the joint fit without and with the identified causes."""
     joint = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     fits = (campaign.mismatch_detail or {}).get("coefficients") or {}
@@ -151,9 +151,11 @@ def _sort_key(entry: tuple[str, Any]) -> tuple[int, str]:
     return (order.index(name) if name in order else len(order), name.rjust(4))
 
 
-def _coefficient_row(name: str, true: Any, before: Any, after: Any = None, *, at: str = "") -> Row:
+def _coefficient_row(
+    name: str, true: Any, before: Any, after: Any = None, *, at: str = ""
+) -> TableRow:
     undetermined = isinstance(before, Mapping) and not before.get("determined", True)
-    return Row(
+    return TableRow(
         f"{name}{at} ({parameter_units()[name]})" if name in parameter_units() else name + at,
         (
             _truncated_text(true),
@@ -179,7 +181,7 @@ def _interval_contains(true: Any, cell: Mapping[str, Any] | None) -> str:
     return "inside" if inside else f"{off:.1f} standard errors away"
 
 
-def _trial_rows(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
+def _trial_rows(campaign: Campaign, truth: Mapping[str, Any]) -> list[TableRow]:
     """True and measured speed, radius and flapping frequency of each trial."""
     return [
         _trial_row(name, campaign.steady[name], entry)
@@ -188,7 +190,7 @@ def _trial_rows(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
     ]
 
 
-def _trial_row(name: str, found: SteadyState, entry: Mapping[str, Any]) -> Row:
+def _trial_row(name: str, found: SteadyState, entry: Mapping[str, Any]) -> TableRow:
     speed, radius = true_steady(entry, found.steady_from_s, found.steady_to_s)
     turning = math.isfinite(found.radius_m)
     cells = [_true_and_found_cells(speed, found.speed_m_s)]
@@ -196,7 +198,7 @@ def _trial_row(name: str, found: SteadyState, entry: Mapping[str, Any]) -> Row:
         _true_and_found_cells(radius, found.radius_m) if turning else ("straight", "straight", "–")
     ]
     cells += [_true_and_found_cells(entry.get("flap_hz"), found.flap_hz, 5)]
-    return Row(name, tuple(text for cell in cells for text in cell))
+    return TableRow(name, tuple(text for cell in cells for text in cell))
 
 
 def _true_and_found_cells(true: Any, found: float, digits: int = 4) -> tuple[str, str, str]:

@@ -5,7 +5,7 @@ from .pool_projection import (
     PoolCamera,
     map_keypoints,
     map_to_pool,
-    place_by_pixel_jacobian,
+    pixel_to_pool_jacobian,
     pool_to_pixels,
 )
 from .study_camera import camera_from_corners, pool_camera

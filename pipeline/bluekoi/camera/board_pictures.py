@@ -33,9 +33,9 @@ def read_grey_pictures(
     """
     for path in map(Path, paths):
         if path.suffix.lower() in VIDEO_SUFFIXES:
-            look = list(_spread_video_frames(path, BOARD_PROBE_FRAME_COUNT))
+            look = list(_evenly_spaced_grey_frames(path, BOARD_PROBE_FRAME_COUNT))
             shown = any(find_board(grey, board, name) for name, grey in look)
-            yield from _spread_video_frames(path, MAX_VIDEO_FRAMES) if shown else look
+            yield from _evenly_spaced_grey_frames(path, MAX_VIDEO_FRAMES) if shown else look
         else:
             yield path.name, _read_photograph(path)
 
@@ -64,7 +64,7 @@ def find_board_views(pictures: Iterable[tuple[str, GreyPicture]], board: Board) 
         if brightest is None:
             brightest = grey
         elif grey.shape != brightest.shape:
-            raise _other_size_error(name, grey, brightest)
+            raise _image_size_mismatch_error(name, grey, brightest)
         brightest = np.maximum(brightest, grey)
         view = find_board(grey, board, name)
         if view is None:
@@ -84,7 +84,7 @@ def find_board_views(pictures: Iterable[tuple[str, GreyPicture]], board: Board) 
     return BoardViews(views, without, (width, height), image_circle(brightest))
 
 
-def _other_size_error(name: str, grey: GreyPicture, first: GreyPicture) -> Exception:
+def _image_size_mismatch_error(name: str, grey: GreyPicture, first: GreyPicture) -> Exception:
     return input_error(
         name,
         "",
@@ -118,7 +118,7 @@ def _read_photograph(path: Path) -> GreyPicture:
     return np.asarray(grey, dtype=np.uint8)
 
 
-def _spread_video_frames(path: Path, most: int) -> Iterator[tuple[str, GreyPicture]]:
+def _evenly_spaced_grey_frames(path: Path, most: int) -> Iterator[tuple[str, GreyPicture]]:
     video = cv2.VideoCapture(str(path))
     try:
         count = int(video.get(cv2.CAP_PROP_FRAME_COUNT))

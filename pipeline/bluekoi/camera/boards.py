@@ -57,7 +57,7 @@ class BoardView:
     image_px: Float
 
 
-def read_board(pattern: str, square_mm: float, kind: str) -> Board:
+def board_from_pattern(pattern: str, square_mm: float, kind: str) -> Board:
     """Board of a pattern such as `9x6`: inner corners across and down.
 
     Raises: InputError where the pattern, the size or the kind cannot be.

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..data import Float
-from .plane_camera import homography_from_four_points
+from .homography_camera import homography_from_four_points
 from .pool_projection import PoolCamera, map_to_pool, pool_to_pixels
-from .resection import first_order_pose
+from .resection import gauss_newton_pose_update
 
 
 def calibration_covariance_factor(
@@ -55,7 +55,7 @@ def _refit_camera_pose(camera: PoolCamera) -> PoolCamera:
     if camera.lens is None or camera.rotation is None or camera.translation is None:
         plane = homography_from_four_points(camera.corners_px, camera.corners_m[:, :2])
         return replace(camera, homography=plane)
-    rotation, translation, residuals = first_order_pose(
+    rotation, translation, residuals = gauss_newton_pose_update(
         camera.lens,
         camera.corners_px,
         camera.corners_m,

@@ -13,7 +13,7 @@ from ..data import Float
 from ..errors import InputError, InputIssue, input_error
 from ..files import atomic_write, write_text
 from .board_pictures import BoardViews, find_board_views, read_grey_pictures
-from .boards import BoardView, read_board
+from .boards import BoardView, board_from_pattern
 from .calibration_picture import draw_calibration
 from .focal_length_groups import zoom_change_remark
 from .gyroflow_profile import read_lens_profile
@@ -58,7 +58,7 @@ class LensCalibration:
     circle: ImageCircle | None = None
 
     @property
-    def quality(self) -> str:
+    def quality_text(self) -> str:
         """How well it fits, in words."""
         fit = f"{self.views} views, corner error {self.rms_px:.3f} px rms"
         if not np.isfinite(self.held_out_px):
@@ -91,14 +91,14 @@ def calibrate_files(
         if model not in ("auto", "fisheye"):
             raise input_error("--model", "", f"'{model}'", "fisheye, as lens profiles are, or auto")
         result = calibration_from_lens_profile(paths[0])
-        write_text(out, camera_section(result))
+        write_text(out, camera_yaml(result))
         return result
-    wanted = read_board(pattern, square_mm, board)
+    wanted = board_from_pattern(pattern, square_mm, board)
     found = find_board_views(read_grey_pictures(paths, wanted), wanted)
     best, candidates = select_lens_model(found.views, model, found.size_px, found.circle)
     result = _calibration_result(best, candidates, found)
     with atomic_write(target) as temporary:
-        temporary.write_text(camera_section(result), encoding="utf-8")
+        temporary.write_text(camera_yaml(result), encoding="utf-8")
         draw_calibration(target.with_suffix(".png"), best, candidates, found.circle)
     return result
 
@@ -148,14 +148,14 @@ def calibration_from_lens_profile(path: str | Path) -> LensCalibration:
     )
 
 
-def camera_section(result: LensCalibration) -> str:
+def camera_yaml(result: LensCalibration) -> str:
     """The `camera:` section of study.yaml, its quality in comments."""
     lens, std = result.lens, result.lens_std
     rows = ", ".join("[" + ", ".join(f"{x:.6g}" for x in row) + "]" for row in lens.matrix)
     known = np.isfinite(std).all()
     spread = ["standard deviations: " + ", ".join(f"{x:.3g}" for x in std)] if known else []
     comments = [
-        result.quality,
+        result.quality_text,
         *spread,
         *(f"compared: {line}" for line in result.compared),
         *result.remarks,

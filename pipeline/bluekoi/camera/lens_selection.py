@@ -178,13 +178,15 @@ def lens_implausibilities(
         f"the optical centre ({cx:.0f}, {cy:.0f}) lies {100 * offset:.0f} % off the middle of the "
         f"{where}": offset > MAX_PRINCIPAL_POINT_OFFSET_SHARE,
         f"the distortion is not monotonic inside the {where}: it folds over "
-        f"{max_monotonic_radius_px(lens):.0f} px from the centre": folds_inside_image(lens, circle),
+        f"{max_monotonic_radius_px(lens):.0f} px from the centre": has_distortion_fold_in_image(
+            lens, circle
+        ),
         f"corners miss by {corner_rms_px:.2f} px rms, more than {limit:.2f}": corner_rms_px > limit,
     }
     return [reason for reason, applies in checks.items() if applies]
 
 
-def folds_inside_image(lens: Lens, circle: ImageCircle | None = None) -> bool:
+def has_distortion_fold_in_image(lens: Lens, circle: ImageCircle | None = None) -> bool:
     """Whether the projection stops growing where a corner can be.
 
     That is inside the image circle. Where none is known: inside the picture, and within 90 degrees

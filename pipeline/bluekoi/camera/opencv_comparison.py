@@ -14,7 +14,7 @@ from .lens_bundle_adjustment import START_FOCAL_LENGTHS_IN_WIDTHS
 
 Float32 = npt.NDArray[np.float32]
 PINHOLE_FLAGS = {4: cv2.CALIB_FIX_K3, 5: 0, 8: cv2.CALIB_RATIONAL_MODEL}
-FISHEYE_FLAGS = cv2.fisheye if hasattr(cv2.fisheye, "CALIB_FIX_SKEW") else cv2
+FISHEYE_FLAG_NAMESPACE = cv2.fisheye if hasattr(cv2.fisheye, "CALIB_FIX_SKEW") else cv2
 """OpenCV 5 moved the flags of the fisheye model and changed their values."""
 
 
@@ -48,9 +48,9 @@ def _calibrate_fisheye(
     board: list[Float32], image: list[Float32], size_px: tuple[int, int], share: float
 ) -> tuple[float, Lens] | None:
     flags = (
-        FISHEYE_FLAGS.CALIB_RECOMPUTE_EXTRINSIC
-        | FISHEYE_FLAGS.CALIB_FIX_SKEW
-        | FISHEYE_FLAGS.CALIB_USE_INTRINSIC_GUESS
+        FISHEYE_FLAG_NAMESPACE.CALIB_RECOMPUTE_EXTRINSIC
+        | FISHEYE_FLAG_NAMESPACE.CALIB_FIX_SKEW
+        | FISHEYE_FLAG_NAMESPACE.CALIB_USE_INTRINSIC_GUESS
     )
     focal, (u, v) = share * size_px[0], (np.array(size_px) - 1) / 2
     matrix = np.array([[focal, 0, u], [0, focal, v], [0, 0, 1.0]])

@@ -29,7 +29,7 @@ def check_within_picture(path: Path, found: Keypoints, size_px: tuple[int, int] 
     points = found.xy_px[is_confident(found.likelihood) & np.isfinite(found.xy_px).all(axis=2)]
     if len(points) == 0:
         return
-    _check_pixels(path, points)
+    _refuse_normalised_or_sentinels(path, points)
     if size_px is None:
         return
     beyond = np.maximum(-points, points - np.array(size_px)).max(axis=1)
@@ -44,7 +44,7 @@ def check_within_picture(path: Path, found: Keypoints, size_px: tuple[int, int] 
     )  # fmt: skip
 
 
-def _check_pixels(path: Path, points: Float) -> None:
+def _refuse_normalised_or_sentinels(path: Path, points: Float) -> None:
     """Nothing for points (n, 2) that can be pixels."""
     if np.all((points >= 0) & (points <= MAX_NORMALISED_COORDINATE)):
         found = f"coordinates from {points.min():.3g} to {points.max():.3g}"

@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ..study.recording_pixels import scale_over_declared_size
+from ..study.recording_pixels import recording_to_declared_size_ratio
 from .png_file import PngPixels, write_png
 
 MAX_GRID_LINES = 20
@@ -29,7 +29,7 @@ def frame_with_pixel_grid(
     canvas = np.ascontiguousarray(frame).copy()
     height, width = canvas.shape[:2]
     columns, rows = image_size_px or (width, height)
-    scale = scale_over_declared_size(image_size_px, (width, height), "the frame")
+    scale = recording_to_declared_size_ratio(image_size_px, (width, height), "the frame")
     step = _next_round_number(max(columns, rows) / MAX_GRID_LINES)
     for at in range(step, columns, step):
         u = _to_frame_px(at, scale)

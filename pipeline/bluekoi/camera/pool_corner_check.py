@@ -144,7 +144,7 @@ def _pose_misfit_sentence(
         return ()
     try:
         camera = pool_camera(
-            with_pool_corners(setup, to_study_pixels(setup, size, fit.corners_px)), size
+            settings_with_pool_corners(setup, to_study_pixels(setup, size, fit.corners_px)), size
         )
     except InputError as error:
         return (f"the corners found fit no camera: {error}",)
@@ -153,7 +153,7 @@ def _pose_misfit_sentence(
     return (f"the corners found miss the best pose by {camera.rms_px:.1f} px rms",)
 
 
-def with_pool_corners(setup: StudySettings, corners_px: Float) -> StudySettings:
+def settings_with_pool_corners(setup: StudySettings, corners_px: Float) -> StudySettings:
     """Setup with other pool corners (4, 2), in the pixels of study.yaml."""
     corners = tuple((float(u), float(v)) for u, v in corners_px)
     camera = setup.camera.model_copy(update={"pool_corners_px": corners})

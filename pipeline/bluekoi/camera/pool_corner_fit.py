@@ -10,8 +10,8 @@ import numpy as np
 
 from ..data import Float
 from .boards import GreyPicture
+from .homography_camera import homography_from_four_points
 from .lens import Lens, project_to_pixels, ray_directions
-from .plane_camera import homography_from_four_points
 from .pool_edges import (
     SAMPLES_PER_EDGE,
     EdgeLine,
@@ -41,7 +41,7 @@ MAX_RIM_SPACING_SPREAD_SHARE = 0.3
 a smaller share of the mean."""
 RECTANGLE_MISFIT_STD, MAX_RECTANGLE_MISFIT_LOSS = 0.005, 30.0
 """Skew of a rectangle that the errors of a calibrated lens leave, and the most that it counts."""
-ASSUMED_LENS_STD_PX = 0.4
+UNKNOWN_LENS_CORNER_STD_PX = 0.4
 """Error of corners found without a camera matrix, where the distortion is assumed equidistant."""
 BEND_PENALTY_PER_PX = 0.2
 """Share of an edge that a pixel of rms bend outweighs."""
@@ -101,7 +101,7 @@ def fit_corners(
     lens and the pool's corners (4, 3) m, lines that no camera could see together are passed over.
     """
     picture = smooth_frame(grey)
-    model_std_px = 0.0 if lens else ASSUMED_LENS_STD_PX
+    model_std_px = 0.0 if lens else UNKNOWN_LENS_CORNER_STD_PX
     view = (lens, corners_m) if lens and corners_m is not None else None
     width, assumed = grey.shape[1], lens is None
     lens = lens or lens_from_straight_edges(picture, given_px, WIDE_SEARCH_RANGE_SHARE_OF_WIDTH)
@@ -133,8 +133,8 @@ def fit_corners(
         curves=curves,
         lines=lines,
         inner_rim_px=_intersect_neighbouring_edges(curves, inner) if inner else nowhere,
-        rim_px=_mean_line_spacing_px(inner),
-        outer_px=_mean_line_spacing_px(outer),
+        rim_px=_mean_rim_offset_px(inner),
+        outer_px=_mean_rim_offset_px(outer),
         iterations=iteration,
         converged=converged,
     )
@@ -191,7 +191,9 @@ def _select_edge_lines(
     usual error, px, by Cauchy's robust loss, and so that a camera could see them.
     """
     if not all(found):
-        return tuple(min(some, key=lambda e: abs(e.middle_px), default=None) for some in found)
+        return tuple(
+            min(some, key=lambda e: abs(e.middle_offset_px), default=None) for some in found
+        )
     choices = list(product(*found))
     corners = np.array([_intersect_neighbouring_edges(curves, lines) for lines in choices])
     off = np.sum((corners - near[0]) ** 2, axis=2) / near[1] ** 2
@@ -269,11 +271,11 @@ def _find_second_rim(
         candidates.append([e for e in lines if np.all(side * e.ends_px > 2.0)])
     best = min(
         product(*candidates), default=None,
-        key=lambda lines: float(np.ptp([abs(e.middle_px) for e in lines])),
+        key=lambda lines: float(np.ptp([abs(e.middle_offset_px) for e in lines])),
     )  # fmt: skip
     if best is None:
         return None
-    spacing = [abs(line.middle_px) for line in best]
+    spacing = [abs(line.middle_offset_px) for line in best]
     return (
         best
         if np.ptp(spacing) < max(2.0, MAX_RIM_SPACING_SPREAD_SHARE * float(np.mean(spacing)))
@@ -281,5 +283,5 @@ def _find_second_rim(
     )
 
 
-def _mean_line_spacing_px(rim: tuple[EdgeLine, ...] | None) -> float:
-    return float(np.mean([abs(line.middle_px) for line in rim])) if rim else 0.0
+def _mean_rim_offset_px(rim: tuple[EdgeLine, ...] | None) -> float:
+    return float(np.mean([abs(line.middle_offset_px) for line in rim])) if rim else 0.0

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
-from ..data.majority import deviations_from_majority
+from ..data.majority_deviation import deviations_from_majority
 from ..study import Pool, StudySettings
 from ..study.recording_pixels import setup_in_recording_pixels
 from .boards import GreyPicture
@@ -84,7 +84,7 @@ def compare_pool_edges(grey: GreyPicture, setup: StudySettings) -> PoolEdgeCheck
     )
 
 
-def deviating_edges_m(
+def deviating_pool_edges_m(
     statuses: Mapping[str, Mapping[str, Any]], pool: Pool
 ) -> dict[str, tuple[float, float]]:
     """Recordings whose pool edges are not where most others have them: distance from the corners of
@@ -105,8 +105,8 @@ def deviating_edges_m(
 
 
 def deviating_edge_warnings(statuses: Mapping[str, Mapping[str, Any]], pool: Pool) -> Iterator[str]:
-    """A sentence for each of `deviating_edges_m` that does not count as moved by itself."""
-    for name, (own_m, majority_m) in deviating_edges_m(statuses, pool).items():
+    """A sentence for each of `deviating_pool_edges_m` that does not count as moved by itself."""
+    for name, (own_m, majority_m) in deviating_pool_edges_m(statuses, pool).items():
         if not statuses[name]["pool_edges"]["moved"]:
             yield (
                 f"Trial {name}: the pool's edges lie up to {1000 * own_m:.0f} mm from the corners "

@@ -42,7 +42,7 @@ class ExpectedEdge:
     normal_px: Float
 
     @property
-    def along(self) -> Float:
+    def fraction_along(self) -> Float:
         """Place along the edge (n,), 0 at its first corner, 1 at its second."""
         return np.linspace(0, 1, len(self.points_px))
 
@@ -63,7 +63,7 @@ class EdgeLine:
     bend_px: float
 
     @property
-    def middle_px(self) -> float:
+    def middle_offset_px(self) -> float:
         """Offset at the middle of the edge."""
         return float(self.ends_px.mean())
 
@@ -77,7 +77,7 @@ def find_edge_lines(
     picture: FloatPicture, curve: ExpectedEdge, reach_px: float
 ) -> tuple[EdgeLine, ...]:
     """Lines within `reach_px` of a curve, those with the most samples first."""
-    along = curve.along
+    along = curve.fraction_along
     inner = (along >= CORNER_MARGIN_SHARE_OF_EDGE) & (along <= 1 - CORNER_MARGIN_SHARE_OF_EDGE)
     across, is_step = _brightness_steps(picture, curve, reach_px)
     is_step = is_step & inner[:, None]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..data import Float, Keypoints, Positions, is_confident
+from ..data import Float, KeypointPositions, Keypoints, is_confident
 from .lens import Lens, project_to_pixels, ray_directions
 from .refraction import intersect_rays_with_depth, surface_points_of_light_paths
 
@@ -89,7 +89,7 @@ def map_to_pool(camera: PoolCamera, uv_px: Float, depth_m: float | Float) -> Flo
     return intersect_rays_with_depth(camera.center_m, rays, depth, camera.refractive_index)
 
 
-def place_by_pixel_jacobian(camera: PoolCamera, uv_px: Float, depth_m: float | Float) -> Float:
+def pixel_to_pool_jacobian(camera: PoolCamera, uv_px: Float, depth_m: float | Float) -> Float:
     """Derivative (n, 2, 2) of the place with respect to the pixel, m per px, central differences.
 
     [:, i, j] is the change of x or y (i) with u or v (j).
@@ -102,7 +102,7 @@ def place_by_pixel_jacobian(camera: PoolCamera, uv_px: Float, depth_m: float | F
     return slope
 
 
-def map_keypoints(camera: PoolCamera, keypoints: Keypoints, depth_m: float) -> Positions:
+def map_keypoints(camera: PoolCamera, keypoints: Keypoints, depth_m: float) -> KeypointPositions:
     """Keypoints of one trial in the pool frame, all at one depth, with cov = J cov_px2 J^T.
 
     The covariance is the detections' own; what the calibration adds is common to all frames and
@@ -110,10 +110,10 @@ def map_keypoints(camera: PoolCamera, keypoints: Keypoints, depth_m: float) -> P
     """
     flat = keypoints.xy_px.reshape(-1, 2)
     xy = map_to_pool(camera, flat, depth_m)
-    slope = place_by_pixel_jacobian(camera, flat, depth_m)
+    slope = pixel_to_pool_jacobian(camera, flat, depth_m)
     cov = slope @ keypoints.cov_px2.reshape(-1, 2, 2) @ np.swapaxes(slope, 1, 2)
     shape = keypoints.xy_px.shape
-    placed = Positions(
+    placed = KeypointPositions(
         time_s=keypoints.time_s,
         names=keypoints.names,
         xy_m=xy.reshape(shape),
@@ -121,7 +121,7 @@ def map_keypoints(camera: PoolCamera, keypoints: Keypoints, depth_m: float) -> P
         likelihood=keypoints.likelihood,
     )
     remarks = (*keypoints.remarks, *camera.remarks, *_outside_pool_remark(camera, placed))
-    return Positions(**{**placed.__dict__, "remarks": remarks})
+    return KeypointPositions(**{**placed.__dict__, "remarks": remarks})
 
 
 def apply_homography(homography: Float, points: Float) -> Float:
@@ -132,7 +132,7 @@ def apply_homography(homography: Float, points: Float) -> Float:
 
 
 def _outside_pool_remark(
-    camera: PoolCamera, positions: Positions, margin_m: float = 0.05
+    camera: PoolCamera, positions: KeypointPositions, margin_m: float = 0.05
 ) -> tuple[str, ...]:
     """A remark where confident keypoints lie outside the pool or cannot be mapped."""
     trusted = is_confident(positions.likelihood)

@@ -15,7 +15,7 @@ from .lens import Lens, project_to_pixels, ray_directions
 from .refraction import surface_points_of_light_paths
 
 CORNER_NAMES = ("(0, 0)", "(length, 0)", "(length, width)", "(0, width)")
-CORNER_ORDERS = {
+CORNER_REORDERING_ADVICE = {
     (1, 2, 3, 0): "begin with the corner now listed second and keep going round the same way",
     (3, 2, 1, 0): "list the four in reverse",
     (0, 3, 2, 1): "swap the second and the fourth",
@@ -56,7 +56,7 @@ def pose_from_marks(
     return turn, shift, np.asarray(best.fun, dtype=np.float64).reshape(4, 2)
 
 
-def first_order_pose(
+def gauss_newton_pose_update(
     lens: Lens, corners_px: Float, corners_m: Float, index: float, *, rotation: Float, translation:
     Float,
 ) -> tuple[Float, Float, Float]:  # fmt: skip
@@ -97,10 +97,10 @@ def pool_rectangle(length_m: float, width_m: float, height_m: float) -> Float:
     return np.array([(x, y, height_m) for x, y in flat], dtype=float)
 
 
-def corner_order_that_fits(lens: Lens, corners_px: Float, corners_m: Float, index: float) -> str:
+def corner_reordering_advice(lens: Lens, corners_px: Float, corners_m: Float, index: float) -> str:
     """Words for the order of corners that fits, or nothing where no order does."""
     limit = MAX_REPROJECTION_SHARE_OF_POOL_DIAGONAL * pool_diagonal_px(corners_px)
-    for order, words in CORNER_ORDERS.items():
+    for order, words in CORNER_REORDERING_ADVICE.items():
         turn, shift, residuals = pose_from_marks(lens, corners_px[list(order)], corners_m, index)
         above = (-turn.T @ shift)[2] > 0
         if above and rms_length_px(residuals) < limit / 2:

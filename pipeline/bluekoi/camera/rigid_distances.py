@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..data import BoolNDArray, Float, Positions, is_confident
+from ..data import BoolNDArray, Float, KeypointPositions, is_confident
 from ..errors import input_error
 from ..study import Robot
 from .lens import Lens
@@ -62,7 +62,7 @@ class CameraGeometry:
 
 
 def rigid_distances(
-    trials: Sequence[Positions], head_lengths_m: Sequence[float], robot: Robot
+    trials: Sequence[KeypointPositions], head_lengths_m: Sequence[float], robot: Robot
 ) -> RigidDistances:
     """Distances of all confident pairs of all trials against the robot's known lengths.
 
@@ -92,7 +92,7 @@ def rigid_distances(
 
 
 def _distances_of_pair(
-    positions: Positions, pair: tuple[str, str], known_m: float, labels: tuple[int, int]
+    positions: KeypointPositions, pair: tuple[str, str], known_m: float, labels: tuple[int, int]
 ) -> dict[str, Float] | None:
     if not set(pair) <= set(positions.names):
         return None
@@ -129,7 +129,7 @@ def robust_std_and_inliers(values: Float, good: np.ndarray) -> tuple[float, np.n
     return std, off < MAX_DEVIATION_ROBUST_STDS * std
 
 
-def _raw_head_angle(positions: Positions) -> Float:
+def _raw_head_angle(positions: KeypointPositions) -> Float:
     """Head angle (frames,) from raw points, within a half turn; 0 where it cannot be had."""
     if not {"head_tip", "hinge", "tail_base"} <= set(positions.names):
         return np.zeros(len(positions.time_s))
@@ -145,7 +145,7 @@ def pixels_of_places(geometry: CameraGeometry, places_m: Float) -> Float:
     return pool_to_pixels(geometry.camera, np.column_stack([places_m, depth]))
 
 
-def length_excess_by_camera_error(
+def length_sensitivity_to_camera_errors(
     geometry: CameraGeometry, distances: RigidDistances, names: Collection[str] = ()
 ) -> dict[str, Float]:
     """Excess (n,) that a unit error of each parameter of the camera makes, to first order.
@@ -198,7 +198,7 @@ def remove_camera_errors(
                             excess_m=distances.excess_m + grown)  # fmt: skip
 
 
-def length_excess_by_keypoint_shift(distances: RigidDistances) -> dict[str, Float]:
+def length_sensitivity_to_keypoint_shift(distances: RigidDistances) -> dict[str, Float]:
     """Excess (n,) that a unit shift of one keypoint along the body makes, m per m.
 
     head_tip along the head; hinge and core_center along the core, forwards; tail_base backwards.

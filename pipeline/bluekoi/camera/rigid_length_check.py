@@ -11,10 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..data import Float, Positions
+from ..data import Float, KeypointPositions
 from ..errors import InputError
 from ..study import Robot
-from .distance_map import DistanceMap, distance_map
 from .geometry_hypotheses import (
     GEOMETRY_HYPOTHESES,
     SYSTEMATIC_LENGTH_ERROR_SHARE,
@@ -22,16 +21,17 @@ from .geometry_hypotheses import (
     HypothesisFit,
     fit_hypothesis,
 )
-from .length_windows import window_means
+from .length_error_map import LengthErrorMap, length_error_map
 from .pool_projection import PoolCamera
 from .rigid_distances import (
     CameraGeometry,
     RigidDistances,
-    length_excess_by_camera_error,
-    length_excess_by_keypoint_shift,
+    length_sensitivity_to_camera_errors,
+    length_sensitivity_to_keypoint_shift,
     remove_camera_errors,
     rigid_distances,
 )
+from .rigid_length_windows import window_means
 
 GEOMETRY_FALSE_ALARM_PROBABILITY = 0.001
 RIVAL_LOG_LIKELIHOOD_MARGIN = 6.0
@@ -56,7 +56,7 @@ class GeometryCheck:
     fits: tuple[HypothesisFit, ...]
     mean_excess: float
     mean_excess_std: float
-    map: DistanceMap
+    map: LengthErrorMap
     by_trial: Mapping[int, tuple[float, float]]
     windows: RigidDistances
 
@@ -82,8 +82,8 @@ def check_rigid_distances(
     Hypotheses that change none of the distances are left out.
     """
     patterns = {
-        **length_excess_by_camera_error(geometry, distances),
-        **length_excess_by_keypoint_shift(distances),
+        **length_sensitivity_to_camera_errors(geometry, distances),
+        **length_sensitivity_to_keypoint_shift(distances),
     }
     patterns = {name: pattern for name, pattern in patterns.items() if pattern.any()}
     fits = [
@@ -106,7 +106,7 @@ def check_rigid_distances(
         fits=tuple(fits),
         mean_excess=mean,
         mean_excess_std=std,
-        map=distance_map(geometry.camera, distances, predicted),
+        map=length_error_map(geometry.camera, distances, predicted),
         by_trial=_mean_excess_by_trial(distances, predicted),
         windows=window_means(distances),
     )
@@ -143,7 +143,7 @@ def _refine_lens_error(
         errors = dict(zip(names, found.values, strict=True))
         try:
             corrected, rest = remove_camera_errors(geometry, distances, errors)
-            patterns = length_excess_by_camera_error(corrected, rest, names)
+            patterns = length_sensitivity_to_camera_errors(corrected, rest, names)
         except InputError:  # the corners fit no pose under such a lens
             return first
         design = np.column_stack([patterns[name] for name in names])
@@ -154,9 +154,9 @@ def _refine_lens_error(
     return found if found.gain > first.gain else first
 
 
-def estimate_depth(
+def estimate_keypoint_depth(
     camera: PoolCamera,
-    trials: Sequence[Positions],
+    trials: Sequence[KeypointPositions],
     *,
     depth_m: float,
     head_lengths_m: Sequence[float],
@@ -169,7 +169,7 @@ def estimate_depth(
     """
     distances = rigid_distances(trials, head_lengths_m, robot)
     deeper = GeometryHypothesis("keypoint_depth", ("depth_m",), (1.0,), ("m",), "")
-    patterns = length_excess_by_camera_error(
+    patterns = length_sensitivity_to_camera_errors(
         CameraGeometry(camera, depth_m), distances, deeper.parameters
     )
     found = fit_hypothesis(deeper, patterns, distances)

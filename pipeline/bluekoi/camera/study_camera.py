@@ -10,13 +10,13 @@ from ..data import Float
 from ..errors import input_error
 from ..study import Camera, Pool, StudySettings
 from ..study.recording_pixels import setup_in_recording_pixels
+from .homography_camera import homography_camera
 from .lens import Lens
-from .plane_camera import homography_camera
 from .pool_projection import PoolCamera
 from .resection import (
     CORNER_NAMES,
     MAX_REPROJECTION_SHARE_OF_POOL_DIAGONAL,
-    corner_order_that_fits,
+    corner_reordering_advice,
     pool_diagonal_px,
     pool_rectangle,
     pose_from_marks,
@@ -104,7 +104,7 @@ def _check_camera_pose(camera: PoolCamera) -> None:
     if camera.rms_px <= limit and camera.center_m[2] > 0:
         return
     assert camera.lens is not None
-    fits = corner_order_that_fits(
+    fits = corner_reordering_advice(
         camera.lens, camera.corners_px, camera.corners_m, camera.refractive_index
     )
     reasons = (

@@ -20,12 +20,12 @@ import numpy as np
 from scipy.special import ndtri
 
 from ..data import Float, Keypoints, is_confident
-from ..data.majority import majority_centre_and_scatter
+from ..data.majority_deviation import majority_centre_and_scatter
 from ..study import Trial
 from .pool_projection import PoolCamera, map_to_pool
 from .rigid_distances import robust_std_and_inliers
 
-LENGTHS = {"head": ("head_tip", "hinge"), "core": ("hinge", "tail_base")}
+COMPARED_RIGID_LENGTHS = {"head": ("head_tip", "hinge"), "core": ("hinge", "tail_base")}
 """Rigid lengths that are compared, and the keypoints at their ends."""
 TURNED_PICTURE_FALSE_ALARM_PROBABILITY = 0.001
 """Probability with which a study of right pictures has a warning."""
@@ -34,7 +34,7 @@ MIN_TRIALS = 3
 """Trials of one length without which no length is that of most trials."""
 
 
-def turned_picture_record(
+def turned_picture_sums(
     camera: PoolCamera, found: Keypoints, depth_m: float
 ) -> dict[str, dict[str, float]]:
     """Sums over the frames of a trial, by length of `LENGTHS`, as status/ID.json holds them:
@@ -46,7 +46,7 @@ def turned_picture_record(
         flat = map_to_pool(camera, pixels.reshape(-1, 2), depth_m)
         places[key] = flat.reshape(found.xy_px.shape)
     record = {}
-    for name, ends in LENGTHS.items():
+    for name, ends in COMPARED_RIGID_LENGTHS.items():
         if not set(ends) <= set(found.names):
             continue
         front, back = (found.names.index(end) for end in ends)
@@ -76,7 +76,7 @@ def _turned_regression_sums(given_m: Float, turned_m: Float, std_m: float) -> di
 def turned_picture_warnings(
     trials: Mapping[str, Trial], statuses: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[str]:
-    """A sentence for each trial whose lengths show a turned picture, by `turned_picture_record`.
+    """A sentence for each trial whose lengths show a turned picture, by `turned_picture_sums`.
 
     Odds of a turned over a right picture (b = 1 over b = 0) exceed the number of trials over
     `TURNED_PICTURE_FALSE_ALARM_PROBABILITY`, so that a study of right pictures has a warning with
@@ -89,8 +89,8 @@ def turned_picture_warnings(
         if status.get("ok") and name in trials and (record := status.get("turned_picture"))
     }
     least = log(max(len(seen), 1) / TURNED_PICTURE_FALSE_ALARM_PROBABILITY)
-    for name, fit in _fits(trials, seen).items():
-        if fit.log_odds > least and fit.agrees:
+    for name, fit in _turned_fit_by_trial(trials, seen).items():
+        if fit.log_odds > least and fit.agrees_with_turned_picture:
             yield (
                 f"Trial {name}: {trials[name].source}: found rigid lengths of the robot that "
                 f"differ from the other trials' (by {100 * fit.rms:.1f} % rms) as if the picture "
@@ -114,12 +114,12 @@ class _TurnedFit:
         return (2.0 * self.turned - 1.0) / (2.0 * self.std**2)
 
     @property
-    def agrees(self) -> bool:
+    def agrees_with_turned_picture(self) -> bool:
         sigmas = float(ndtri(1.0 - TURNED_PICTURE_FALSE_ALARM_PROBABILITY / 2.0))
         return abs(self.turned - 1.0) <= sigmas * self.std
 
 
-def _fits(
+def _turned_fit_by_trial(
     trials: Mapping[str, Trial], seen: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, _TurnedFit]:
     """Fit of b for each trial for which most trials give a length to compare with."""

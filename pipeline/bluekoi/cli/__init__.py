@@ -24,7 +24,7 @@ from .simulate import simulate
 from .stage import stage
 from .watch import watch
 
-EXIT_CODES = """\b
+EXIT_CODES_HELP = """\b
 Exit codes: 0 done; 1 an error in the study, the files or the machine; 2 wrong use of this command;
 3 done, but some trials went wrong (each is named); 130 interrupted.
 """
@@ -57,7 +57,7 @@ def _print_and_fail(ctx: click.Context, error: InputError) -> NoReturn:
 @click.group(
     cls=InputErrorGroup,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog=EXIT_CODES,
+    epilog=EXIT_CODES_HELP,
 )
 @click.version_option(package_name="bluekoi", prog_name="bluekoi")
 def main() -> None:

@@ -56,7 +56,7 @@ def calibrate(
         )
     for remark in found.remarks:
         click.echo(remark)
-    click.echo(f"{out}: {found.quality}")
+    click.echo(f"{out}: {found.quality_text}")
     if [image.suffix.lower() for image in images] != [".json"]:
         click.echo(f"Drawn: {out.with_suffix('.png')}")
 
@@ -100,8 +100,8 @@ def pool(
     loaded = load_incomplete_study(study) if lacks_corners else load_study(study)
     if trial_id is not None:
         loaded.trial(trial_id)
-    source, fps = (frame, None) if frame else _trial_footage(study, loaded, trial_id)
-    picture = _read_picture(source, fps=fps)
+    source, fps = (frame, None) if frame else _first_footage_file_and_fps(study, loaded, trial_id)
+    picture = _read_image_or_first_frame(source, fps=fps)
     confirmed = None
     if lacks_corners:
         size_px = stated_image_size_px(study / "study.yaml")
@@ -134,13 +134,15 @@ def _refuse_overwriting(out: Path, suffixes: tuple[str, ...], inputs: Sequence[P
                     "Nothing was written.")  # fmt: skip
 
 
-def _trial_footage(folder: Path, study: Study, trial_id: str | None) -> tuple[Path, float | None]:
+def _first_footage_file_and_fps(
+    folder: Path, study: Study, trial_id: str | None
+) -> tuple[Path, float | None]:
     """First file and frame rate of the named trial's film, or of the first filmed trial's; without
     a filmed trial, the first video in a folder whose study.yaml is still incomplete.
     """
     from ..errors import input_error  # noqa: PLC0415
     from ..footage import open_recording  # noqa: PLC0415
-    from ..footage.image_recording import all_are_images  # noqa: PLC0415
+    from ..footage.image_sequence import all_are_images  # noqa: PLC0415
     from ..study import VIDEO_SUFFIXES  # noqa: PLC0415
 
     named = study.trials if trial_id is None else (study.trial(trial_id),)
@@ -159,7 +161,7 @@ def _trial_footage(folder: Path, study: Study, trial_id: str | None) -> tuple[Pa
     return paths[0], filmed[0].fps
 
 
-def _read_picture(path: Path, *, fps: float | None = None) -> Any:
+def _read_image_or_first_frame(path: Path, *, fps: float | None = None) -> Any:
     """A picture file, or the first frame of a video, (height, width, 3) bgr."""
     import cv2  # noqa: PLC0415
 

@@ -19,11 +19,11 @@ def _explain_key(ctx: click.Context, _param: click.Parameter, key: str | None) -
         ctx.exit()
 
 
-UNCHECKED_CAMERA_NOTE = (
+NOT_CHECKED_NOTE_KEYPOINT_STUDY = (
     "Not checked here: what only the motion in all trials shows, such as errors of the lens and "
     "of the place of the camera. A run compares it with the files and names what does not agree."
 )
-UNCHECKED_MOTION_NOTE = (
+NOT_CHECKED_NOTE_VIDEO_STUDY = (
     "Not checked here: what only the motion in the videos shows, such as the frame rate, the sign "
     "of the head angles, the lens and the place of the camera. A run compares these with the "
     "files and names what does not agree."
@@ -49,7 +49,7 @@ def check(study: Path) -> None:
         setup_findings,
     )
     from ..study import load_study, missing_files  # noqa: PLC0415
-    from ..trial_warnings import trial_warnings, unchecked_clock_notes  # noqa: PLC0415
+    from ..trial_warnings import trial_warnings, unchecked_frame_rate_notes  # noqa: PLC0415
     from ..workflow.plan import check_results_name  # noqa: PLC0415
 
     loaded = load_study(study)
@@ -79,6 +79,6 @@ def check(study: Path) -> None:
         f"{study}: {len(loaded.trials)} trials ({filmed} filmed, {len(loaded.trials) - filmed} "
         f"keypoint files) in {conditions} conditions; no {more}error found in the files."
     )
-    click.echo(UNCHECKED_MOTION_NOTE if filmed else UNCHECKED_CAMERA_NOTE)
-    for note in unchecked_clock_notes(loaded, statuses):
+    click.echo(NOT_CHECKED_NOTE_VIDEO_STUDY if filmed else NOT_CHECKED_NOTE_KEYPOINT_STUDY)
+    for note in unchecked_frame_rate_notes(loaded, statuses):
         click.echo(note)

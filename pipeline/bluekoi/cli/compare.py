@@ -53,7 +53,7 @@ def compare(
     if out is not None:
         _write_comparison(out, found, runs)
         click.echo(f"Written: {out / 'comparison.csv'}, {out / 'comparison.png'} and .pdf")
-    incomplete = {run.folder: run.missing for run in runs if run.missing}
+    incomplete = {run.folder: run.missing_result_files for run in runs if run.missing_result_files}
     for folder, missing_results in incomplete.items():
         click.echo(f"No {' and no '.join(missing_results)} in {folder}: their contents were not "
                    "compared. Complete that run with `bluekoi run`.", err=True)  # fmt: skip

@@ -69,7 +69,7 @@ def design(
     loaded = load_study(study)
     home = results or Path("results") / study.resolve().name
     fit = load_fitted_robot(home, model=model, study=loaded)
-    further = _robot_variants(other)
+    further = _parse_robot_options(other)
     folder = out or home / "design"
     refuse_outputs_over_study_files(study, (folder / "designs.csv", folder / "designs.png"))
     with progress_notice("trying designs"):
@@ -97,7 +97,7 @@ def design(
     warn_of_outdated_results(loaded, home)
 
 
-def _robot_variants(given: tuple[str, ...]) -> dict[str, tuple[float, ...]]:
+def _parse_robot_options(given: tuple[str, ...]) -> dict[str, tuple[float, ...]]:
     """Values by key of `--robot KEY=NUMBERS`, which may be repeated."""
     out: dict[str, tuple[float, ...]] = {}
     for text in given:

@@ -76,12 +76,12 @@ def _check_shell() -> Iterator[MachineCheckResult]:
 
 def _check_codec() -> Iterator[MachineCheckResult]:
     yield from (
-        _attempt("reading and writing H.264", _encode_h264),
-        _attempt("OpenCV", _check_opencv),
+        _run_machine_check("reading and writing H.264", _check_h264_codecs),
+        _run_machine_check("OpenCV", _check_opencv),
     )
 
 
-def _attempt(what: str, work: Callable[[], str]) -> MachineCheckResult:
+def _run_machine_check(what: str, work: Callable[[], str]) -> MachineCheckResult:
     try:
         return True, f"{what}: {work()}"
     except InputError as found:
@@ -92,7 +92,7 @@ def _attempt(what: str, work: Callable[[], str]) -> MachineCheckResult:
         return False, f"{what}: {error}; reinstall with pip install --force-reinstall"
 
 
-def _encode_h264() -> str:
+def _check_h264_codecs() -> str:
     av = import_module("av")
     av.codec.Codec("libx264", "w")
     av.codec.Codec("h264", "r")
@@ -106,10 +106,12 @@ def _check_opencv() -> str:
 
 
 def _check_compilation() -> Iterator[MachineCheckResult]:
-    yield _attempt("compiling, and a folder to keep what is compiled", _compile_function)
+    yield _run_machine_check(
+        "compiling, and a folder to keep what is compiled", _check_compiled_code_folder
+    )
 
 
-def _compile_function() -> str:
+def _check_compiled_code_folder() -> str:
     """Where compiled models are kept, after a function of ours was compiled and kept."""
     folder = import_module("bluekoi.integrate").kernel_folder()
     with tempfile.TemporaryFile(dir=folder):

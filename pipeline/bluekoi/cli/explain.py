@@ -78,7 +78,7 @@ def explain(
     trials = ex.read_trials(given, data)
     further = [t for folder in others for t in ex.read_trials(given, folder)]
     _check_trials_to_predict(given, further, known_s)
-    notes = _notes_on_options(given, data, others, candidates, without)
+    notes = _ineffective_option_notes(given, data, others, candidates, without)
     found = ex.explain(
         given,
         trials,
@@ -125,7 +125,7 @@ def _check_trials_to_predict(model: Model, trials: Sequence[Trial], known_s: flo
                               f"one longer than --known-s, {known_s:g} s")  # fmt: skip
 
 
-def _notes_on_options(
+def _ineffective_option_notes(
     model: Model, data: Path, others: Sequence[Path], candidates: str | None, without: str | None
 ) -> list[str]:
     """What the options make of the result, in sentences."""

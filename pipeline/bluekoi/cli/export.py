@@ -30,7 +30,7 @@ EXPORTED_UNITS = {
     "y_m": "m",
 }
 """Further columns of a track that are written, with their units."""
-INDIVIDUAL_NAME = "robot"
+NETCDF_INDIVIDUAL_NAME = "robot"
 """Name of the only individual in the dataset."""
 
 
@@ -102,14 +102,18 @@ def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
 
     track = campaign.tracks[trial_id]
     position = _keypoint_positions(campaign, trial_id, track)[..., None]
-    names = {"space": ("x", "y"), "keypoint": EXPORTED_KEYPOINTS, "individual": (INDIVIDUAL_NAME,)}
+    names = {
+        "space": ("x", "y"),
+        "keypoint": EXPORTED_KEYPOINTS,
+        "individual": (NETCDF_INDIVIDUAL_NAME,),
+    }
     with atomic_write(path) as temporary, netcdf_file(temporary, "w", version=2) as out:
         for name, value in _dataset_attributes(campaign, trial_id).items():
             setattr(out, name, value)
         out.createDimension("time", len(track.time_s))
         for name, labels in names.items():
             out.createDimension(name, len(labels))
-            _write_labels(out, name, labels)
+            _write_text_coordinate(out, name, labels)
         _write_variable(out, "time", ("time",), track.time_s)
         _write_variable(out, "position", ("time", *names), position, "m")
         unknown = np.full((len(position), len(EXPORTED_KEYPOINTS), 1), np.nan)
@@ -128,7 +132,7 @@ def _write_variable(
         variable.units = unit
 
 
-def _write_labels(out: Any, name: str, labels: Sequence[str]) -> None:
+def _write_text_coordinate(out: Any, name: str, labels: Sequence[str]) -> None:
     """A coordinate of texts: characters (labels, longest), as the format has no strings."""
     import numpy as np  # noqa: PLC0415
 

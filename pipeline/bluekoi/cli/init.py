@@ -39,7 +39,7 @@ def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | Non
     from ..preparation.prefill import (  # noqa: PLC0415
         blank_study_yaml,
         prefilled_trial_rows,
-        trials_csv,
+        trials_csv_text,
     )
 
     folder = _study_folder(files, study)
@@ -57,7 +57,7 @@ def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | Non
         raise input_error(folder, "", "no video and no keypoint file", "one or more", remedy)
     with progress_notice(f"opening the files of {len(rows)} trials"):
         found = file_properties(folder, rows)
-    write_text(folder / "trials.csv", trials_csv(rows))
+    write_text(folder / "trials.csv", trials_csv_text(rows))
     write_text(folder / "study.yaml", with_recording_property_comments(blank_study_yaml(), found))
     for one in found:
         click.echo(f"{one.trial_id}: {one.source}: {one.text}")

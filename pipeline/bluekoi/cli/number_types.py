@@ -36,7 +36,7 @@ class NumberList(click.ParamType):
         """The numbers, each once; a usage error where one cannot be read or is out of range."""
         text = str(value)
         try:
-            found = self._read(text)
+            found = self._parse(text)
         except (ValueError, ArithmeticError):
             self.fail(f"'{text}': write 50,75,100 or 10:60:5 (from, to, step)", param, ctx)
         bad = [n for n in found if not (math.isfinite(n) and self.low <= n <= self.high)]
@@ -45,7 +45,7 @@ class NumberList(click.ParamType):
                       param, ctx)  # fmt: skip
         return tuple(dict.fromkeys(found))
 
-    def _read(self, text: str) -> tuple[float, ...]:
+    def _parse(self, text: str) -> tuple[float, ...]:
         if ":" not in text:
             return tuple(float(part) for part in text.split(","))
         first, last, step = (float(part) for part in text.split(":"))

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-TRUTH_FILES = ("truth.sha256", "truth.json")
+GROUND_TRUTH_FILES = ("truth.sha256", "truth.json")
 """Files of a synthetic study that no command overwrites."""
 
 
@@ -18,7 +18,7 @@ def refuse_outputs_over_study_files(study: Path, outputs: Iterable[Path | None])
     written = [path for path in outputs if path is not None and path.exists()]
     if not written:
         return
-    own = [*load_incomplete_study(study).files(), *(study / name for name in TRUTH_FILES)]
+    own = [*load_incomplete_study(study).files(), *(study / name for name in GROUND_TRUTH_FILES)]
     for path in written:
         if any(file.exists() and os.path.samefile(path, file) for file in own):
             expected, remedy = "another file to write to", "Nothing was written."

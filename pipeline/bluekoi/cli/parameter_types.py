@@ -10,7 +10,7 @@ import click
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-MAX_TRIALS_BYTES_READ = 10_000_000
+MAX_TRIALS_CSV_BYTES_FOR_COMPLETION = 10_000_000
 """Size of a trials.csv up to which a shell completes names of trials."""
 
 
@@ -90,7 +90,10 @@ class TrialName(click.ParamType):
         study = ctx.params.get("study") or next(iter(ctx.args), ".")
         path = os.path.join(str(study), "trials.csv")
         try:
-            if not os.path.isfile(path) or os.path.getsize(path) > MAX_TRIALS_BYTES_READ:
+            if (
+                not os.path.isfile(path)
+                or os.path.getsize(path) > MAX_TRIALS_CSV_BYTES_FOR_COMPLETION
+            ):
                 return []
             with open(path, encoding="utf-8-sig", newline="") as lines:
                 names = [str(row.get("trial_id") or "") for row in csv.DictReader(lines)]

@@ -49,7 +49,7 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
     """
     from ..errors import escape_control_characters, input_error  # noqa: PLC0415
     from ..files import read_json  # noqa: PLC0415
-    from ..stages.layout import ResultPaths  # noqa: PLC0415
+    from ..stages.result_paths import ResultPaths  # noqa: PLC0415
 
     folder = results_folder(study, results)
     path = folder / "mismatch.json"

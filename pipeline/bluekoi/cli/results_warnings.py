@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from ..study import Study
 
 
-DEMO_STUDY = Path("studies/demo")
+DEMO_STUDY_FOLDER = Path("studies/demo")
 """Where a run of `demo` lays out the files of its study (`demo_folder` in config/default.yaml)."""
 
 
@@ -36,7 +36,7 @@ def warn_of_outdated_results(study: Path | Study, results: Path) -> None:
 
     if isinstance(study, Path):
         if study == Path("demo") and not study.exists():
-            study = DEMO_STUDY
+            study = DEMO_STUDY_FOLDER
         if not (study / "study.yaml").is_file():
             return
         try:

@@ -13,7 +13,7 @@ from pathlib import Path
 import click
 
 from ..errors import EXIT_INTERRUPTED, EXIT_USAGE
-from ..workflow.forkserver_client import COMMAND_ENVIRONMENT_VARIABLE
+from ..workflow.forkserver_client import USER_COMMAND_VARIABLE
 from .parameter_types import NonEmptyPath, StudyName
 
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
@@ -119,7 +119,7 @@ def run(
             f"Got a second study '{further[0]}'; expected one study, or options of Snakemake "
             "after --."
         )
-    os.environ[COMMAND_ENVIRONMENT_VARIABLE] = shlex.join(["bluekoi", *sys.argv[1:]])
+    os.environ[USER_COMMAND_VARIABLE] = shlex.join(["bluekoi", *sys.argv[1:]])
     returned = _run_process(snakemake_command(study, results, cores, further))
     folder = _requested_results_folder(study, results, further)
     dry = {"-n", "--dry-run", "--dryrun"} & set(further)
@@ -238,7 +238,7 @@ def _exit_code(returned: int, results: Path) -> int:
     """0 where all is well, 3 where all is there but some trials are bad, else 1."""
     if returned in (0, EXIT_USAGE, EXIT_INTERRUPTED, EXIT_TERMINATED):
         return returned
-    from ..stages.layout import ResultPaths  # noqa: PLC0415
+    from ..stages.result_paths import ResultPaths  # noqa: PLC0415
 
     last = ResultPaths(results).end_of_run_results
     complained = not (results / "outcome.json").is_file()

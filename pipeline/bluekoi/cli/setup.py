@@ -12,7 +12,7 @@ import click
 from .parameter_types import NonEmptyPath
 
 
-def run_command(study: Path, results: Path) -> list[str]:
+def bluekoi_run_arguments(study: Path, results: Path) -> list[str]:
     """The command of a run from the page: `bluekoi run`, with its exit codes."""
     return [sys.executable, "-P", "-m", "bluekoi", "run", str(study), "--results", str(results)]
 
@@ -42,14 +42,14 @@ def setup(study: Path, results: Path | None, port: int, browser: bool) -> None:
     read_draft(study)
     folder = results or Path("results") / study.resolve().name
     try:
-        server = SetupServer(study, folder, run_command(study, folder), port=port)
+        server = SetupServer(study, folder, bluekoi_run_arguments(study, folder), port=port)
     except OSError as error:
         raise input_error("--port", "", f"port {port}: {error.strerror or error}", "a free port",
                           "Leave --port out to take one.") from error  # fmt: skip
-    click.echo(f"Setting up {study}: {server.address}")
+    click.echo(f"Setting up {study}: {server.page_url}")
     click.echo("Open this address in a browser on this machine. Ctrl-C ends it.")
     if browser:
-        webbrowser.open(server.address)
+        webbrowser.open(server.page_url)
     # A request to terminate ends it as Ctrl-C does: in order, with the run.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:

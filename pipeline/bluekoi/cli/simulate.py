@@ -70,13 +70,13 @@ def simulate(
     if schedule is not None:
         from ..design_space import read_schedule  # noqa: PLC0415
 
-        commands = read_schedule(schedule, fit.at_power)
+        commands = read_schedule(schedule, fit.flap_hz_at_power)
         lasts = seconds or max(10.0, float(commands.time_s[-1]))
     else:
         hz, lasts = _flapping_frequency(flap_hz, power_pct, fit), seconds or 10.0
-        commands = _make_manoeuvre(manoeuvre, hz, angle, lasts)
+        commands = _command_schedule(manoeuvre, hz, angle, lasts)
         if manoeuvre is None:
-            _print_steady(fit, setup, length, hz, angle)
+            _print_steady_state(fit, setup, length, hz, angle)
     with progress_notice("simulating (the first time on a machine the model is compiled)"):
         run = _simulate_path(fit, setup, length, commands, lasts)
     if schedule is not None or manoeuvre is not None:
@@ -189,17 +189,22 @@ def _load_fit(results: Path | None, model: str | None, study: Study) -> FittedRo
     hz = {float(power): value for power, value in PUBLISHED_FLAP_HZ.items()}
     text = "without --results the coefficients are those of the paper (Table I at 100 %)"
     return FittedRobot(
-        two_plate_system().values(TABLE_1[100])[None], hz, "Table I at 100 %", (text,)
+        two_plate_system().parameter_vector(TABLE_1[100])[None],
+        hz,
+        "Table I at 100 %",
+        (text,),
     )
 
 
 def _flapping_frequency(flap_hz: float | None, power_pct: float | None, fit: FittedRobot) -> float:
     if (flap_hz is None) == (power_pct is None):
         raise click.UsageError("give --flap-hz or --power-pct, one of them (or --schedule)")
-    return fit.at_power(power_pct) if power_pct is not None else float(flap_hz or 0.0)
+    return fit.flap_hz_at_power(power_pct) if power_pct is not None else float(flap_hz or 0.0)
 
 
-def _make_manoeuvre(manoeuvre: str | None, hz: float, angle_rad: float, seconds: float) -> Schedule:
+def _command_schedule(
+    manoeuvre: str | None, hz: float, angle_rad: float, seconds: float
+) -> Schedule:
     import numpy as np  # noqa: PLC0415
 
     from ..design_space import MANOEUVRES, Schedule  # noqa: PLC0415
@@ -209,7 +214,7 @@ def _make_manoeuvre(manoeuvre: str | None, hz: float, angle_rad: float, seconds:
     return Schedule(np.zeros(1), np.full(1, hz), np.full(1, angle_rad))
 
 
-def _print_steady(
+def _print_steady_state(
     fit: FittedRobot, setup: StudySettings, length: float, hz: float, angle_rad: float
 ) -> None:
     from ..design_space import OperatingCondition, steady_states  # noqa: PLC0415

@@ -51,7 +51,7 @@ class InterruptHandler:
             warnings.simplefilter("ignore")
         raise KeyboardInterrupt
 
-    def report(self) -> None:
+    def print_interrupted_message(self) -> None:
         """Print that the run was interrupted, unless the line of progress has."""
         if not any(getattr(handler, "stopped", False) for handler in self._handlers):
             sys.stderr.write(f"\n{INTERRUPTED_MESSAGE}\n")
@@ -73,7 +73,7 @@ def main() -> None:
     """
     end_with_parent()
     interrupt_handler = InterruptHandler()
-    logging.getLogger("snakemake.logging").addFilter(_is_not_profile_notice)
+    logging.getLogger("snakemake.logging").addFilter(_is_not_config_file_notice)
     sys.modules.setdefault("pandas", None)  # type: ignore[arg-type]
     try:
         from snakemake.cli import main as snakemake  # noqa: PLC0415
@@ -86,7 +86,7 @@ def main() -> None:
     except BaseException as end:
         if not interrupt_handler.taken or (isinstance(end, SystemExit) and end.code in (None, 0)):
             raise
-        interrupt_handler.report()
+        interrupt_handler.print_interrupted_message()
         raise SystemExit(EXIT_INTERRUPTED) from None
 
 
@@ -96,7 +96,7 @@ def _refuse_option(_: argparse.ArgumentParser, message: str) -> NoReturn:
     raise SystemExit(EXIT_USAGE)
 
 
-def _is_not_profile_notice(record: logging.LogRecord) -> bool:
+def _is_not_config_file_notice(record: logging.LogRecord) -> bool:
     """Whether a record is more than Snakemake's remark on its configuration file."""
     return not record.getMessage().startswith("Config file")
 

@@ -13,7 +13,7 @@ from .number_types import FiniteNumber
 from .parameter_types import NonEmptyPath, StudyName
 from .run import check_cores, snakemake_command
 
-ERROR_MESSAGE = "Some of it could not be analysed: see the terminal."
+ANALYSIS_FAILED_MESSAGE = "Some of it could not be analysed: see the terminal."
 FileStates = dict[str, tuple[int, int]]
 MIN_UNCHANGED_DURATION_S = 3.0
 """A file that has not changed for so long is whole: a copy from a card writes all the time."""
@@ -76,11 +76,14 @@ def watch(study: Path, results: Path | None, cores: str, every_s: float) -> None
         while not over.is_set():
             now = study_file_states(study, folder)
             if now != seen and remains_unchanged(now, study, folder, over):
-                write_text(script, _status_json(count, "Analysing."))
+                write_text(script, _status_update_script(count, "Analysing."))
                 code = run_analysis(snakemake_command(str(study), results, cores, ()), over)
                 seen, count = now, count + 1
                 write_text(
-                    script, _status_json(count, "Up to date." if code == 0 else ERROR_MESSAGE)
+                    script,
+                    _status_update_script(
+                        count, "Up to date." if code == 0 else ANALYSIS_FAILED_MESSAGE
+                    ),
                 )
             over.wait(every_s)
     finally:
@@ -91,7 +94,7 @@ def watch(study: Path, results: Path | None, cores: str, every_s: float) -> None
     click.echo("Watching ended. What is done is kept.")
 
 
-def _status_json(count: int, text: str) -> str:
+def _status_update_script(count: int, text: str) -> str:
     return f"update({{count: {count}, text: {text!r}}});\n"
 
 

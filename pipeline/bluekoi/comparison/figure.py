@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..figures.drawing.style import COLOURS, RC_PARAMS, placeholder
-from .run_differences import MIN_PROBABILITY, RunResults
+from .run_differences import MIN_LISTED_CAUSE_PROBABILITY, RunResults
 
 FIRST_COLOUR, SECOND_COLOUR = COLOURS[0], COLOURS[2]
 BAR_OFFSET = 0.15
@@ -36,15 +36,23 @@ def comparison_figure(first: RunResults, second: RunResults, labels: tuple[str, 
 def _draw_coefficients(axes: Axes, runs: Sequence[RunResults], labels: Sequence[str]) -> None:
     """Values over the first run's, with 95 % intervals."""
     axes.set_title("Coefficients, first run = 1")
-    names = [n for n, c in runs[0].joint.items() if c.get("value") and n in runs[1].joint]
+    names = [
+        n
+        for n, c in runs[0].joint_coefficients.items()
+        if c.get("value") and n in runs[1].joint_coefficients
+    ]
     if not names:
         return placeholder(axes, "No coefficients in both runs")
     for k, (run, label, colour) in enumerate(
         zip(runs, labels, (FIRST_COLOUR, SECOND_COLOUR), strict=True)
     ):
-        unit = np.array([runs[0].joint[n]["value"] for n in names], dtype=float)
-        value = np.array([_number_or_nan(run.joint[n].get("value")) for n in names]) / unit
-        std = np.abs(np.array([_number_or_nan(run.joint[n].get("std")) for n in names]) / unit)
+        unit = np.array([runs[0].joint_coefficients[n]["value"] for n in names], dtype=float)
+        value = (
+            np.array([_number_or_nan(run.joint_coefficients[n].get("value")) for n in names]) / unit
+        )
+        std = np.abs(
+            np.array([_number_or_nan(run.joint_coefficients[n].get("std")) for n in names]) / unit
+        )
         y = np.arange(len(names)) + BAR_OFFSET * (2 * k - 1)
         bars = 1.96 * np.nan_to_num(std)
         axes.errorbar(value, y, xerr=bars, fmt="o", ms=4, color=colour, label=label)
@@ -60,7 +68,9 @@ def _draw_causes(axes: Axes, runs: Sequence[RunResults], labels: Sequence[str]) 
     axes.set_title("Probability of each cause")
     chances = [dict(run.mismatch.get("probabilities") or {}) for run in runs]
     most = {n: max(float(c.get(n) or 0) for c in chances) for n in {**chances[0], **chances[1]}}
-    names = sorted((n for n, p in most.items() if p >= MIN_PROBABILITY), key=lambda n: -most[n])
+    names = sorted(
+        (n for n, p in most.items() if p >= MIN_LISTED_CAUSE_PROBABILITY), key=lambda n: -most[n]
+    )
     names = names[:MAX_CAUSES_SHOWN]
     if not names:
         return placeholder(axes, "No cause is probable in either run")

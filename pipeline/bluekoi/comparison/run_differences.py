@@ -13,7 +13,7 @@ from ..errors import input_error
 from ..files import flatten_mapping, read_json, read_manifest
 from ..steady import read_steady
 
-MIN_PROBABILITY = 0.02
+MIN_LISTED_CAUSE_PROBABILITY = 0.02
 """A cause less probable than this in both runs is not listed."""
 MISSING_TEXT = "–"
 """Text that stands for a value that one of two runs does not have."""
@@ -30,14 +30,14 @@ class RunResults:
     steady: Mapping[str, SteadyState] = field(default_factory=dict)
 
     @property
-    def missing(self) -> tuple[str, ...]:
+    def missing_result_files(self) -> tuple[str, ...]:
         """Results, without the manifest, that the run has not written."""
         found = {"coefficients.json": self.coefficients, "mismatch.json": self.mismatch,
                  "steady.csv": self.steady}  # fmt: skip
         return tuple(name for name, content in found.items() if not content)
 
     @property
-    def joint(self) -> Mapping[str, Any]:
+    def joint_coefficients(self) -> Mapping[str, Any]:
         """Cells of the joint fit by coefficient."""
         return dict((self.coefficients.get("joint") or {}).get("coefficients") or {})
 
@@ -86,7 +86,7 @@ def list_run_differences(first: RunResults, second: RunResults) -> list[Differen
         *_cause_differences(first, second),
         *_coefficient_differences(first, second),
         *_error_differences(first, second),
-        *_differences_of_trials(first, second),
+        *_steady_speed_differences(first, second),
         *(_setting_differences(first, second) if both else ()),
         *(_input_differences(first, second) if both else ()),
     ]
@@ -101,7 +101,7 @@ def _cause_differences(first: RunResults, second: RunResults) -> Iterator[Differ
     chances = [dict(run.mismatch.get("probabilities") or {}) for run in (first, second)]
     for name in sorted(chances[0].keys() | chances[1].keys()):
         a, b = (float(c.get(name) or 0.0) for c in chances)
-        if max(a, b) >= MIN_PROBABILITY:
+        if max(a, b) >= MIN_LISTED_CAUSE_PROBABILITY:
             yield Difference("probability of cause", name, f"{a:.2f}", f"{b:.2f}", b - a)
     named = [{c["name"]: c["parameters"] for c in run.mismatch.get("causes") or []}
              for run in (first, second)]  # fmt: skip
@@ -114,8 +114,13 @@ def _cause_differences(first: RunResults, second: RunResults) -> Iterator[Differ
 
 
 def _coefficient_differences(first: RunResults, second: RunResults) -> Iterator[Difference]:
-    for name in dict.fromkeys([*first.joint, *second.joint]):
-        yield number_difference("coefficient", name, first.joint.get(name), second.joint.get(name))
+    for name in dict.fromkeys([*first.joint_coefficients, *second.joint_coefficients]):
+        yield number_difference(
+            "coefficient",
+            name,
+            first.joint_coefficients.get(name),
+            second.joint_coefficients.get(name),
+        )
 
 
 def number_difference(
@@ -155,7 +160,7 @@ def _as_cell(value: float | None, factor: float, unit: str) -> dict[str, Any]:
     return {"value": None if value is None else factor * value, "unit": unit}
 
 
-def _differences_of_trials(first: RunResults, second: RunResults) -> Iterator[Difference]:
+def _steady_speed_differences(first: RunResults, second: RunResults) -> Iterator[Difference]:
     for name in dict.fromkeys([*first.steady, *second.steady]):
         rows = [run.steady.get(name) for run in (first, second)]
         cells = [

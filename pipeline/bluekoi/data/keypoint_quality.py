@@ -1,8 +1,8 @@
 """Which points and frames are used, and how many samples count as one: one rule for all stages.
 
 A point counts where its likelihood is at least `MIN_KEYPOINT_LIKELIHOOD` or not stated (NaN). A
-frame whose standard deviation is `MAX_STD_OVER_USUAL` times the usual one of its trial says nothing
-by itself.
+frame whose standard deviation is `MAX_STD_TO_USUAL_STD_RATIO` times the usual one of its trial says
+nothing by itself.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ MIN_KEYPOINT_LIKELIHOOD = 0.6
 """Likelihood from which a keypoint counts as seen: the cut-off that DeepLabCut uses."""
 MIN_POSE_FRAMES = 8
 """Frames with a pose without which a motion cannot be smoothed."""
-MAX_STD_OVER_USUAL = 10.0
+MAX_STD_TO_USUAL_STD_RATIO = 10.0
 """Standard deviation over the usual one of its trial above which a frame counts as poorly seen."""
 
 
@@ -29,7 +29,7 @@ def is_confident(likelihood: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
 
 def has_excess_variance(variance: Float, usual: Float | float) -> npt.NDArray[np.bool_]:
     """Where a variance, of any shape, exceeds the usual one by too much, or is unknown (NaN)."""
-    return np.asarray(~(variance <= MAX_STD_OVER_USUAL**2 * np.asarray(usual)))
+    return np.asarray(~(variance <= MAX_STD_TO_USUAL_STD_RATIO**2 * np.asarray(usual)))
 
 
 def correlation_time_samples(residual: Float) -> float:

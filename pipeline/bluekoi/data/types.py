@@ -81,7 +81,7 @@ class Keypoints:
 
 
 @dataclass(frozen=True)
-class Positions:
+class KeypointPositions:
     """Keypoints of one trial in the pool frame.
 
     time_s: (frames,). xy_m: (frames, parts, 2), NaN where not seen. cov_m2: (frames, parts, 2, 2):

@@ -36,7 +36,7 @@ class FittedRobot:
     model: str
     warnings: tuple[str, ...] = ()
 
-    def at_power(self, power_pct: float) -> float:
+    def flap_hz_at_power(self, power_pct: float) -> float:
         """Flapping frequency, Hz, between tested powers; beyond them along the line through all."""
         powers, hz = np.array(list(self.flap_hz)), np.array(list(self.flap_hz.values()))
         if len(powers) == 1:
@@ -84,7 +84,7 @@ def load_fitted_robot(
     flap_hz = _read_or_incomplete_error(path, lambda: _flap_hz_by_power(found["paper_steps"]))
     doubts = _read_or_incomplete_error(path, lambda: _warning_sentences(found, verdict, chosen))
     strangers = (
-        _read_or_incomplete_error(path, lambda: _other_study_sentences(found, study))
+        _read_or_incomplete_error(path, lambda: _results_of_other_study_warnings(found, study))
         if study
         else []
     )
@@ -123,19 +123,19 @@ def _joint_fit_draws(joint: Mapping[str, Any], rng: np.random.Generator) -> Floa
         rng.choice(len(every), size=COEFFICIENT_DRAWS, replace=len(every) < COEFFICIENT_DRAWS)
     ]
     rows = [best, *(dict(zip(names, row.tolist(), strict=True)) for row in chosen)]
-    return np.array([two_plate_system().values(row) for row in rows])
+    return np.array([two_plate_system().parameter_vector(row) for row in rows])
 
 
 def _extended_model_draws(
     cells: Mapping[str, Any], path: Path, rng: np.random.Generator, system: System
 ) -> Float:
-    best = system.values({})
+    best = system.parameter_vector({})
     std = np.zeros(len(best))
     for name, cell in cells.items():
-        slot = system.slot.get(name)
+        slot = system.parameter_index.get(name)
         if slot is None:
             raise input_error(path, name, "an unknown parameter", "a known one",
-                        did_you_mean(name, system.slot))  # fmt: skip
+                        did_you_mean(name, system.parameter_index))  # fmt: skip
         best[slot], std[slot] = float(cell["value"]), float(cell.get("std") or 0.0)
     lower = np.array([p.lower for p in system.parameters])
     upper = np.array([p.upper for p in system.parameters])
@@ -157,7 +157,7 @@ def _warning_sentences(found: Mapping[str, Any], verdict: str, chosen: str) -> l
     return out
 
 
-def _other_study_sentences(found: Mapping[str, Any], study: Study) -> list[str]:
+def _results_of_other_study_warnings(found: Mapping[str, Any], study: Study) -> list[str]:
     """A sentence where results are of trials or powers that the study does not have."""
     known = {t.trial_id for t in study.trials}
     powers = {t.power_pct for t in study.trials}

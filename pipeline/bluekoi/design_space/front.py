@@ -10,7 +10,7 @@ import numpy as np
 
 from ..data import Float
 
-MIN_RELATIVE_GAIN = 0.001
+MIN_RELATIVE_RADIUS_REDUCTION = 0.001
 """Share by which the radius of a slower design must be smaller to be on the front."""
 DESIGN_COLUMNS = (
     "power_pct", "flap_hz", "head_angle_deg", "head_length_m", "speed_m_s", "speed_low_m_s",
@@ -40,14 +40,14 @@ def is_pareto_optimal(designs: Sequence[RobotDesign]) -> Float:
     """Which designs no other beats in both speed and radius, bool (designs,).
 
     Where the radius does not depend on power, ties in it would make a wall of slower designs:
-    slower ones must be tighter by `MIN_RELATIVE_GAIN`.
+    slower ones must be tighter by `MIN_RELATIVE_RADIUS_REDUCTION`.
     """
     pairs = np.array([[-d.speed_m_s[0], d.radius_m[0]] for d in designs])
     valid = np.isfinite(pairs).all(axis=1)
     out = np.zeros(len(designs), dtype=bool)
     tightest = np.inf
     for i in np.lexsort((pairs[:, 1], pairs[:, 0])):
-        if valid[i] and pairs[i, 1] < (1 - MIN_RELATIVE_GAIN) * tightest:
+        if valid[i] and pairs[i, 1] < (1 - MIN_RELATIVE_RADIUS_REDUCTION) * tightest:
             out[i], tightest = True, pairs[i, 1]
     return out
 
@@ -57,7 +57,8 @@ def tightest_turn_design(
 ) -> RobotDesign | None:
     """The tightest turn among designs at least so fast; None where there is none.
 
-    Of those within `MIN_RELATIVE_GAIN` of the tightest, tested ones come first, then the fastest.
+    Of those within `MIN_RELATIVE_RADIUS_REDUCTION` of the tightest, tested ones come first, then
+    the fastest.
     """
     fit = [
         d
@@ -67,7 +68,7 @@ def tightest_turn_design(
         and not (tested_only and d.extrapolated)
     ]
     tightest = min((d.radius_m[0] for d in fit), default=np.inf)
-    ties = [d for d in fit if d.radius_m[0] <= tightest * (1 + MIN_RELATIVE_GAIN)]
+    ties = [d for d in fit if d.radius_m[0] <= tightest * (1 + MIN_RELATIVE_RADIUS_REDUCTION)]
     return min(ties, key=lambda d: (len(d.extrapolated), -d.speed_m_s[0]), default=None)
 
 

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from ..data import Float
 from ..errors import InputError, did_you_mean, input_error
-from ..model import robot_units
+from ..model import robot_scale_ratios
 from ..study import Study, StudySettings
 from ..study.validation_messages import issues_of_refused_values
 from .fits import COEFFICIENT_DRAWS, FittedRobot
@@ -85,9 +85,9 @@ def evaluate_designs(
     robots = [
         _setup_with_changes(setup, dict(zip(keys, rest, strict=True))) for _, _, _, *rest in grid
     ]
-    fitted = robot_units(setup.robot)
+    fitted = robot_scale_ratios(setup.robot)
     conditions = [
-        OperatingCondition(fit.at_power(p), float(np.radians(a)), h, robot, fitted)
+        OperatingCondition(fit.flap_hz_at_power(p), float(np.radians(a)), h, robot, fitted)
         for (p, a, h, *_), robot in zip(grid, robots, strict=True)
     ]
     states = steady_states(conditions, fit.values)
@@ -98,8 +98,8 @@ def evaluate_designs(
             head_angle_deg=a,
             head_length_m=h,
             other=dict(zip(keys, rest, strict=True)),
-            speed_m_s=_median_and_95_bounds(states.speed_m_s[i]),
-            radius_m=_median_and_95_bounds(states.radius_m[i]),
+            speed_m_s=_best_and_95_bounds(states.speed_m_s[i]),
+            radius_m=_best_and_95_bounds(states.radius_m[i]),
             extrapolated=tuple(tested.outside(p, a, h)) + tuple(
                 k for k, v in zip(keys, rest, strict=True) if v != getattr(setup.robot, k)
             ),
@@ -127,7 +127,7 @@ def _setup_with_changes(setup: StudySettings, changes: Mapping[str, float]) -> S
         raise InputError(issues_of_refused_values("--robot", error, type(setup))) from error
 
 
-def _median_and_95_bounds(draws: Float) -> tuple[float, float, float]:
+def _best_and_95_bounds(draws: Float) -> tuple[float, float, float]:
     """Best value, and 95 % bounds from the spread of the draws (in logarithms)."""
     best, rest = draws[0], draws[1:]
     rest = rest[np.isfinite(rest) & (rest > 0)]

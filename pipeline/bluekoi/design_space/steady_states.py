@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, compile_system
 from ..integrate.batch import repeat_over_lanes, simulate_batch
-from ..model import RobotUnits, constants_of_robot_trial, robot_system
+from ..model import RobotScaleRatios, constants_of_robot_trial, robot_system
 from ..study import StudySettings
 
 SETTLE_S, CHECK_S = 30.0, 25.0
@@ -35,7 +35,7 @@ class OperatingCondition:
     head_angle_rad: float
     head_length_m: float
     setup: StudySettings
-    units: RobotUnits | None = None
+    units: RobotScaleRatios | None = None
 
 
 @dataclass(frozen=True)

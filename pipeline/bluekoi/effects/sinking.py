@@ -49,7 +49,7 @@ FUNCTIONAL_FORMS = {
 }
 
 
-def sinking_time_law_s(t: float, time_unit: float, w: float, b: float) -> float:
+def effective_sinking_time_s(t: float, time_unit: float, w: float, b: float) -> float:
     """s(t) of the equations above (s)."""
     return (1.0 + w * (0.25 * t / time_unit - 1.0)) * (1.0 - exponential(-b * t)) / b
 
@@ -59,7 +59,7 @@ def force(
     c_g: float, w: float, b: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N)."""
-    s = -0.5 * rho * A * c_g * g * sinking_time_law_s(t, time_unit, w, b) * V
+    s = -0.5 * rho * A * c_g * g * effective_sinking_time_s(t, time_unit, w, b) * V
     return s * uc, s * vc, 0.0
 
 
@@ -75,5 +75,5 @@ def observe(
     b: float,
 ) -> tuple[float, float, float, float]:
     """Change of what is seen (m, m, rad, rad)."""
-    s = -g * sinking_time_law_s(t, time_unit, w, b)
+    s = -g * effective_sinking_time_s(t, time_unit, w, b)
     return s * (x - x_cam), s * (y - y_cam), 0.0, 0.0

@@ -17,21 +17,21 @@ naming      what is named, and what may act in its place
 significance  whether the trials agree that a named cause acts
 """
 
-from .candidates import Candidate, PriorInclusionProbabilities, candidates_by_effect_name
+from .candidates import CandidateCause, PriorInclusionProbabilities, candidates_from_effects
+from .cause_selection import choose_causes, most_probable_set_with_causes, named_causes
+from .cause_set_fit import FittedCauseSet, fit_cause_set, off_bounds_mask
 from .expansion import LikelihoodExpansion, expand_likelihood
 from .fitted_sets import FitRequest, FittedCauseSets
 from .named_cause import NamedCause
-from .naming import choose_causes, most_probable_set_with_causes, named_causes
-from .own_noise import fit_own_noise, refit_without_discrepancy
+from .noise_estimation import fit_noise_and_parameters, refit_without_discrepancy
 from .posterior import Posterior, posterior_over_sets
 from .problem import CauseSearchProblem
-from .refit import FittedCauseSet, fit_cause_set, off_bounds_mask
 from .search import search_cause_sets
 from .set_score import ScoredCauseSet
 from .significance import insignificance_sentence, insignificant_causes, strength_estimates
 
 __all__ = [
-    "Candidate",
+    "CandidateCause",
     "CauseSearchProblem",
     "FitRequest",
     "FittedCauseSet",
@@ -41,11 +41,11 @@ __all__ = [
     "Posterior",
     "PriorInclusionProbabilities",
     "ScoredCauseSet",
-    "candidates_by_effect_name",
+    "candidates_from_effects",
     "choose_causes",
     "expand_likelihood",
     "fit_cause_set",
-    "fit_own_noise",
+    "fit_noise_and_parameters",
     "insignificance_sentence",
     "insignificant_causes",
     "most_probable_set_with_causes",

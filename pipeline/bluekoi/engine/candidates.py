@@ -22,7 +22,7 @@ ChannelVariablePairs = frozenset[tuple[str, str]]
 
 
 @dataclass(frozen=True)
-class Candidate:
+class CandidateCause:
     """One candidate cause.
 
     strengths, forms: its parameters. prior: probability of being present, before any data.
@@ -38,7 +38,7 @@ class Candidate:
     sources: ChannelVariablePairs = frozenset()
 
     @property
-    def free(self) -> tuple[FreeParameter, ...]:
+    def strength_and_form_parameters(self) -> tuple[FreeParameter, ...]:
         """Strengths, then forms."""
         return (*self.strengths, *self.forms)
 
@@ -61,12 +61,12 @@ class PriorInclusionProbabilities:
     likely: Mapping[str, float] | None = None
 
 
-def candidates_by_effect_name(
+def candidates_from_effects(
     system: System,
     names: Sequence[str],
     priors: PriorInclusionProbabilities,
     terms: Mapping[str, ChannelVariablePairs] | None = None,
-) -> tuple[Candidate, ...]:
+) -> tuple[CandidateCause, ...]:
     """Candidates by effect name; an effect of kind `residual` without forms of its own gives one
     candidate a strength.
 
@@ -80,13 +80,13 @@ def candidates_by_effect_name(
     for effect in effects:
         if effect.kind != RESIDUAL_EFFECT_KIND:
             prior = (priors.likely or {}).get(effect.name, priors.cause)
-            strengths, forms = _strengths_and_forms(effect)
-            out.append(Candidate(effect.name, effect.kind, strengths, forms, prior,
-                                 channel_variable_pairs_of(effect)))  # fmt: skip
+            strengths, forms = _split_strength_and_form_parameters(effect)
+            out.append(CandidateCause(effect.name, effect.kind, strengths, forms, prior,
+                                 channel_variable_pairs_of_effect(effect)))  # fmt: skip
     return tuple(out)
 
 
-def _strengths_and_forms(
+def _split_strength_and_form_parameters(
     effect: Effect,
 ) -> tuple[tuple[FreeParameter, ...], tuple[FreeParameter, ...]]:
     labels = [FreeParameter(f"{effect.name}.{p.name}") for p in effect.parameters]
@@ -95,52 +95,52 @@ def _strengths_and_forms(
 
 def _residual_candidates(
     effect: Effect, terms: Mapping[str, ChannelVariablePairs]
-) -> list[Candidate]:
+) -> list[CandidateCause]:
     """Candidates of a residual effect; their prior is set by how many there are."""
-    strengths, forms = _strengths_and_forms(effect)
+    strengths, forms = _split_strength_and_form_parameters(effect)
     if forms or len(strengths) == 1:
         return [
-            Candidate(
+            CandidateCause(
                 effect.name,
                 RESIDUAL_EFFECT_KIND,
                 strengths,
                 forms,
                 0.0,
-                channel_variable_pairs_of(effect),
+                channel_variable_pairs_of_effect(effect),
             )
         ]
     return [
-        Candidate(
+        CandidateCause(
             s.name,
             RESIDUAL_EFFECT_KIND,
             (s,),
             (),
             0.0,
-            terms.get(s.name, channel_variable_pairs_of(effect)),
+            terms.get(s.name, channel_variable_pairs_of_effect(effect)),
         )
         for s in strengths
     ]
 
 
-def channel_variable_pairs_of(effect: Effect) -> ChannelVariablePairs:
+def channel_variable_pairs_of_effect(effect: Effect) -> ChannelVariablePairs:
     """Pairs of channel and variable of an effect's force."""
     return frozenset((c, v) for c in effect.channels for v in effect.variables)
 
 
-def strength_step(system: System, free: FreeParameter) -> float:
+def strength_difference_step(system: System, free: FreeParameter) -> float:
     """Size of the difference by which a strength is varied about 0."""
     p = parameter_definition(system, free)
     return 1e-3 * max(abs(p.start), 0.01 * (p.upper - p.lower))
 
 
-def form_precision(system: System, forms: Sequence[FreeParameter]) -> Float:
+def form_prior_precision(system: System, forms: Sequence[FreeParameter]) -> Float:
     """Prior precision (forms,) of functional forms, uniform ones as wide as their bounds."""
     rows = [parameter_definition(system, f) for f in forms]
     uniform = [(p.upper - p.lower) / np.sqrt(12.0) for p in rows]
     return np.array([min(p.spread, u) ** -2.0 for p, u in zip(rows, uniform, strict=True)])
 
 
-def has_single_sign(system: System, candidate: Candidate) -> bool:
+def has_single_sign(system: System, candidate: CandidateCause) -> bool:
     """Whether the strength has one possible sign."""
     if len(candidate.strengths) != 1:
         return False

@@ -33,11 +33,15 @@ def collinear_terms(
     variable; tried: forms of all candidates.
     """
     P = _schur_complement(whole.hessian.sum(axis=0), list(whole.own))
-    listed = [(problem.by_name[name], columns) for name, forms in tried.items()
-              if not problem.by_name[name].is_residual for _, columns in forms]  # fmt: skip
+    listed = [
+        (problem.candidate_by_name[name], columns)
+        for name, forms in tried.items()
+        if not problem.candidate_by_name[name].is_residual
+        for _, columns in forms
+    ]
     out = set()
     for name, forms in tried.items():
-        term = problem.by_name[name]
+        term = problem.candidate_by_name[name]
         if term.is_residual and len(forms) == 1 and len(forms[0][1]) == 1:
             (i,) = forms[0][1]
             own = [j for cause, columns in listed if cause.sources & term.sources for j in columns]

@@ -3,7 +3,7 @@
 The numbers of a set are its coefficients b (flat prior, profiled), the strengths s_k of its causes,
 their functional forms f ~ N(leading form, spread^2), and a discrepancy d ~ N(0, tau^2): residual
 terms in the channels of one of its causes. tau is a share of the force of the cause
-(`set_columns.PRIOR_DISCREPANCY_SHARES`), over which m(S) is averaged. With gradient g and
+(`set_columns.PRIOR_RELATIVE_DISCREPANCY_STDS`), over which m(S) is averaged. With gradient g and
 information H of the likelihood, prior precision P, deviations x of f and d from the means of their
 priors, g_P = g - P x, n strengths, and G the Schur complement of H + P that is left when b is
 profiled,
@@ -20,7 +20,7 @@ posterior's share on that side.
 
 A number held at a bound that the gradient pushes against has no standard error; the likelihood
 falls inside the bound, the faster the more it pushes, and the integral of this takes its place
-(`_log_widths_inside_bounds`).
+(`_log_truncated_gaussian_integrals`).
 """
 
 from __future__ import annotations
@@ -31,21 +31,21 @@ import numpy as np
 from scipy.special import erfcx, gammaln, log_ndtr, logsumexp
 
 from ..data import Float
+from .cause_set_columns import (
+    MIN_INFORMATION,
+    MIN_RELATIVE_DISCREPANCY_STD,
+    CauseSetColumns,
+    discrepancy_std_combinations,
+    prior_precisions_given_stds,
+)
 from .expansion import LikelihoodExpansion
 from .problem import CauseSearchProblem
-from .set_columns import (
-    MIN_DISCREPANCY_SHARE,
-    MIN_INFORMATION,
-    CauseSetColumns,
-    discrepancy_share_combinations,
-    precisions_at_discrepancy_shares,
-)
 
 DIAGONAL_RIDGE = 1e-10
 """Added to the information, scaled to a diagonal of ones: a normal prior of 1e5 conditional
 standard errors on each number, so wide that it has no part in the evidence. Numbers that no trial
 tells apart, and that have no prior of their own, stay invertible: it is 4e5 rounding errors."""
-MATRICES_AT_ONCE = 64
+LINEAR_SOLVE_BATCH_SIZE = 64
 """Combinations of shares whose matrices are solved in one call. It bounds the memory and has no
 part in the result."""
 LOG_PROBABILITY_OF_IMPOSSIBLE = -50.0
@@ -61,22 +61,22 @@ def log_evidence(
     Evidence at other shares than those of the fit is extrapolated, and is not counted above that at
     the shares of the fit (docs/decisions/066).
     """
-    combinations = discrepancy_share_combinations(lay)
-    given = precisions_at_discrepancy_shares(lay, combinations)
+    combinations = discrepancy_std_combinations(lay)
+    given = prior_precisions_given_stds(lay, combinations)
     values = _log_evidences(
-        expansion, lay, np.vstack([given, fitted_precision(problem, expansion, lay)])
+        expansion, lay, np.vstack([given, prior_precision_at_fit(problem, expansion, lay)])
     )
     return float(logsumexp(np.minimum(values[:-1], values[-1])) - np.log(len(combinations)))
 
 
-def fitted_precision(
+def prior_precision_at_fit(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, lay: CauseSetColumns
 ) -> Float:
     """Prior precision (p,) of the columns under which the set was fitted; of a discrepancy that was
     not fitted, that at the smallest share.
     """
-    smallest = dict.fromkeys(lay.discrepancy, MIN_DISCREPANCY_SHARE)
-    out = precisions_at_discrepancy_shares(lay, [smallest])[0]
+    smallest = dict.fromkeys(lay.discrepancy, MIN_RELATIVE_DISCREPANCY_STD)
+    out = prior_precisions_given_stds(lay, [smallest])[0]
     labels, fitted = _labels_of_discrepancy_columns(problem, expansion), expansion.model.deviations
     for k, column in enumerate(lay.columns):
         if lay.gaussian[k] and (std := fitted.get(labels.get(int(column), ""))):
@@ -84,27 +84,27 @@ def fitted_precision(
     return out
 
 
-def log_evidence_at_discrepancy_shares(
+def log_evidence_given_discrepancy_stds(
     expansion: LikelihoodExpansion, lay: CauseSetColumns, shares: Mapping[str, float]
 ) -> float:
     """Log m(S) of a set with given shares of the discrepancies of its causes."""
-    return float(_log_evidences(expansion, lay, precisions_at_discrepancy_shares(lay, [shares]))[0])
+    return float(_log_evidences(expansion, lay, prior_precisions_given_stds(lay, [shares]))[0])
 
 
-def most_probable_discrepancy_shares(
+def most_probable_discrepancy_stds(
     expansion: LikelihoodExpansion, lay: CauseSetColumns, *, at_smallest: Collection[str] = ()
 ) -> dict[str, float]:
     """Cause -> the share of its discrepancy with which the set has the largest evidence.
 
     at_smallest: causes that are given the smallest share.
     """
-    every = [one for one in discrepancy_share_combinations(lay)
-             if all(one[c] == MIN_DISCREPANCY_SHARE for c in at_smallest)]  # fmt: skip
-    values = _log_evidences(expansion, lay, precisions_at_discrepancy_shares(lay, every))
+    every = [one for one in discrepancy_std_combinations(lay)
+             if all(one[c] == MIN_RELATIVE_DISCREPANCY_STD for c in at_smallest)]  # fmt: skip
+    values = _log_evidences(expansion, lay, prior_precisions_given_stds(lay, every))
     return max(zip(values.tolist(), every, strict=True), key=lambda both: both[0])[1]
 
 
-def information_and_slope(
+def information_matrix_and_gradient(
     expansion: LikelihoodExpansion, lay: CauseSetColumns
 ) -> tuple[Float, Float]:
     """Information (p, p) and gradient (p,) of the likelihood of all trials in a set's columns."""
@@ -123,9 +123,9 @@ def laplace_log_evidence(H: Float, g: Float, lay: CauseSetColumns) -> float:
 
 def _log_evidences(expansion: LikelihoodExpansion, lay: CauseSetColumns, given: Float) -> Float:
     """Log m(S) (n,) of a set with each of the prior precisions (n, p) of its columns."""
-    H, g = information_and_slope(expansion, lay)
-    found = [_laplace_log_evidences(H, g, lay, given[k : k + MATRICES_AT_ONCE])
-             for k in range(0, len(given), MATRICES_AT_ONCE)]  # fmt: skip
+    H, g = information_matrix_and_gradient(expansion, lay)
+    found = [_laplace_log_evidences(H, g, lay, given[k : k + LINEAR_SOLVE_BATCH_SIZE])
+             for k in range(0, len(given), LINEAR_SOLVE_BATCH_SIZE)]  # fmt: skip
     return np.asarray(expansion.log_likelihood.sum() + np.concatenate(found))
 
 
@@ -160,7 +160,7 @@ def _laplace_log_evidences(H: Float, g: Float, lay: CauseSetColumns, given: Floa
         gain += 0.5 * np.log(given[:, rest][:, lay.gaussian[rest]]).sum(axis=1)
     held = np.flatnonzero(lay.held & (np.arange(len(lay.at)) >= lay.count))
     across = H[np.ix_(held, index)]
-    widths = _log_widths_inside_bounds(
+    widths = _log_truncated_gaussian_integrals(
         slopes[:, held] - step[:, index] @ across.T,
         np.diag(H)[held] + precision[:, held] - np.einsum("hf,nfg,hg->nh", across, cov, across),
     )
@@ -173,7 +173,7 @@ def _laplace_log_evidences(H: Float, g: Float, lay: CauseSetColumns, given: Floa
     return np.asarray(gain)
 
 
-def _log_widths_inside_bounds(slopes: Float, curvatures: Float) -> Float:
+def _log_truncated_gaussian_integrals(slopes: Float, curvatures: Float) -> Float:
     """Log of the widths (n, h) that the likelihood has inside the bounds at which numbers are held.
 
     Inside its bound by t, the log likelihood of such a number is lower by a t + b t^2 / 2, a its
@@ -221,7 +221,10 @@ def _log_cauchy(values: Float, sizes: Float) -> Float:
 
 def log_prior(problem: CauseSearchProblem, causes: Sequence[str]) -> float:
     """Log prior probability of a set, relative to that of no cause."""
-    odds = [problem.by_name[c].prior / (1.0 - problem.by_name[c].prior) for c in causes]
+    odds = [
+        problem.candidate_by_name[c].prior / (1.0 - problem.candidate_by_name[c].prior)
+        for c in causes
+    ]
     return float(np.log(odds).sum())
 
 
@@ -234,8 +237,8 @@ def most_probable_discrepancy(
     """Label -> most probable value of a residual term as a discrepancy of the set's causes, or of
     an offset within its tolerance, and its prior standard deviation at these shares.
     """
-    H, g = information_and_slope(expansion, lay)
-    given = precisions_at_discrepancy_shares(lay, [shares])[0]
+    H, g = information_matrix_and_gradient(expansion, lay)
+    given = prior_precisions_given_stds(lay, [shares])[0]
     precision = np.where(lay.included, 0.0, given)
     prior = np.where(lay.gaussian & ~lay.included, lay.at, 0.0)
     free = ~lay.held
@@ -263,6 +266,6 @@ def _labels_of_discrepancy_columns(
     return {
         column: free.label
         for name, columns in expansion.strengths.items()
-        for free, column in zip(problem.by_name[name].strengths, columns, strict=True)
-        if problem.by_name[name].is_residual or free.name in problem.tolerances
+        for free, column in zip(problem.candidate_by_name[name].strengths, columns, strict=True)
+        if problem.candidate_by_name[name].is_residual or free.name in problem.tolerances
     }  # fmt: skip

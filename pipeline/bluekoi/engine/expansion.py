@@ -19,14 +19,14 @@ from ..fitting.normal import (
     NormalEquationsByTrial,
     prior_terms,
 )
-from ..fitting.predictions import ParameterChange, difference_step
+from ..fitting.predictions import ParameterChange, finite_difference_step
 from ..fitting.side_measurements import side_measurement_terms
-from ..fitting.trial_effects import marginal_products_at_effects
+from ..fitting.trial_effects import marginal_gram_matrices_at_effects
 from ..integrate import System
-from .candidates import Candidate, has_single_sign, strength_step
+from .candidates import CandidateCause, has_single_sign, strength_difference_step
+from .cause_set_fit import FittedCauseSet, start_values
 from .forces import rms_force_by_cause
 from .problem import CauseSearchProblem
-from .refit import FittedCauseSet, start_values
 
 TriedForms = dict[str, list[tuple[dict[str, float], tuple[int, ...]]]]
 """Candidate -> form (label -> value) and the columns of its strengths in it."""
@@ -53,7 +53,7 @@ class LikelihoodExpansion:
     forces: dict[str, Float] = field(default_factory=dict)
 
     @property
-    def usable(self) -> bool:
+    def is_finite(self) -> bool:
         """Whether all of it is finite."""
         return bool(np.isfinite(self.hessian).all() and np.isfinite(self.gradient).all())
 
@@ -61,7 +61,7 @@ class LikelihoodExpansion:
 def expand_likelihood(
     problem: CauseSearchProblem,
     model: FittedCauseSet,
-    candidates: Sequence[Candidate] | None = None,
+    candidates: Sequence[CandidateCause] | None = None,
 ) -> LikelihoodExpansion:
     """`LikelihoodExpansion` about a fitted set, in its own numbers and those of `candidates` (all
     others), each in its likeliest form.
@@ -74,21 +74,21 @@ def expand_likelihood(
 def expand_likelihood_in_all_forms(
     problem: CauseSearchProblem,
     model: FittedCauseSet,
-    candidates: Sequence[Candidate] | None = None,
+    candidates: Sequence[CandidateCause] | None = None,
 ) -> tuple[LikelihoodExpansion, TriedForms]:
     """Expansion about a fitted set with the columns of all forms that are tried of each candidate,
     and which those are.
     """
     kernel, system = problem.kernel, problem.kernel.system
-    base = start_values(problem, model.causes, model.fit.by_label(), model.discrepancy)
+    base = start_values(problem, model.causes, model.fit.values_by_label(), model.discrepancy)
     local = replace(problem, base=base)
-    points = local.points(model.fit.free, model.fit.values)
+    points = local.trial_parameter_vectors(model.fit.free, model.fit.values)
     every = np.ones(len(points), dtype=bool)
     changes: list[ParameterChange] = []
     for free, value in zip(model.fit.free, model.fit.values, strict=True):
         own = np.array([free.group in {None, s.group} for s in problem.series])
-        changes.append(ParameterChange(difference_step(kernel, free, float(value)), own,
-                              {system.slot[free.name]: 1.0}))  # fmt: skip
+        changes.append(ParameterChange(finite_difference_step(kernel, free, float(value)), own,
+                              {system.parameter_index[free.name]: 1.0}))  # fmt: skip
     own_columns = tuple(range(len(changes)))
     strengths: dict[str, tuple[int, ...]] = {}
     forms: dict[str, tuple[int, ...]] = {}
@@ -98,11 +98,11 @@ def expand_likelihood_in_all_forms(
         if candidate.name in model.causes:
             continue
         for values in _forms_to_try(problem, candidate, model.deviations):
-            offsets = {system.slot[n]: v - parameter_definition(system, FreeParameter(n)).start
-                       for n, v in values.items()}  # fmt: skip
+            starts = {n: parameter_definition(system, FreeParameter(n)).start for n in values}
+            offsets = {system.parameter_index[n]: v - starts[n] for n, v in values.items()}
             first = len(changes)
             for free in candidate.strengths:
-                changes.append(_strength_change(system, free, every, offsets))
+                changes.append(_strength_perturbation(system, free, every, offsets))
                 frees.append(free)
             columns = tuple(range(first, len(changes)))
             tried.setdefault(candidate.name, []).append((values, columns))
@@ -111,18 +111,19 @@ def expand_likelihood_in_all_forms(
         if len(candidate.strengths) == 1 and not candidate.is_residual:
             first = len(changes)
             for form in candidate.forms:
-                offset = _form_offset(system, form)
-                changes.append(_strength_change(system, candidate.strengths[0], every,
-                                                {system.slot[form.name]: offset}))  # fmt: skip
+                size, strength = _form_perturbation_size(system, form), candidate.strengths[0]
+                offset = {system.parameter_index[form.name]: size}
+                changes.append(_strength_perturbation(system, strength, every, offset))
                 frees.append(candidate.strengths[0])
             forms[candidate.name] = tuple(range(first, len(changes)))
     normal = _trial_information_and_gradients(problem, model, points, changes, frees)
     runaway = np.flatnonzero(~np.isfinite(np.einsum("tpp->tp", normal.hessian)).all(axis=0))
     if runaway.size and runaway[0] >= len(own_columns):  # of a candidate, not of the set itself
         for k in runaway:
-            changes[k] = replace(changes[k], step=difference_step(kernel, frees[k], 0.0))
+            changes[k] = replace(changes[k], step=finite_difference_step(kernel, frees[k], 0.0))
         normal = _trial_information_and_gradients(problem, model, points, changes, frees)
-    hessian, gradient = _form_differences(normal.hessian, normal.gradient, strengths, forms)
+    derivatives = normal.hessian, normal.gradient
+    hessian, gradient = _subtract_leading_form_columns(*derivatives, strengths, forms)
     whole = LikelihoodExpansion(
         model,
         hessian,
@@ -147,9 +148,9 @@ def _trial_information_and_gradients(
     for itself integrated out; side measurements and priors of the set's own numbers included.
     """
     kernel = problem.kernel
-    products, constant, _ = marginal_products_at_effects(
+    products, constant, _ = marginal_gram_matrices_at_effects(
         kernel, model.passes, points, changes, noise=model.noise,
-        effects=model.effects(problem),
+        effects=model.fitted_trial_effects(problem),
     )  # fmt: skip
     information, score, side = side_measurement_terms(kernel, problem.series, frees, points)
     p = len(model.fit.free)
@@ -163,7 +164,7 @@ def _trial_information_and_gradients(
 
 
 def _forms_to_try(
-    problem: CauseSearchProblem, candidate: Candidate, fitted: Collection[str]
+    problem: CauseSearchProblem, candidate: CandidateCause, fitted: Collection[str]
 ) -> list[dict[str, float]]:
     """Forms (label -> value) from which a candidate may begin, the leading one first: the tries of
     a residual term, the named forms of a cause that its shape parameters can give. A cause whose
@@ -195,14 +196,14 @@ def restricted_to_likeliest_forms(
     """The expansion with the columns of the likeliest form alone of what has several; a form that
     asks for an impossible sign of the strength is unlikely.
     """
-    if not whole.usable:
+    if not whole.is_finite:
         return whole
     H, g, own = whole.hessian.sum(axis=0), whole.gradient.sum(axis=0), list(whole.own)
     strengths, starts = dict(whole.strengths), {}
     unused: set[int] = set()
     for name, forms in tried.items():
         if len(forms) > 1:
-            signed = has_single_sign(problem.kernel.system, problem.by_name[name])
+            signed = has_single_sign(problem.kernel.system, problem.candidate_by_name[name])
             gains = [_misfit_reduction(H, g, own, list(columns), signed=signed)
                      for _, columns in forms]  # fmt: skip
             form, best = forms[int(np.argmax(gains))]
@@ -224,7 +225,7 @@ def one_step_strength_estimates(
     """Label -> strength of a further cause by one Newton step of it and the set's own numbers,
     where that is possible: a fit that begins with the wrong sign loses the cause's form.
     """
-    strengths = problem.by_name[cause].strengths
+    strengths = problem.candidate_by_name[cause].strengths
     columns = [*expansion.own, *expansion.strengths[cause]]
     step = _newton_step(expansion.hessian.sum(axis=0), expansion.gradient.sum(axis=0), columns)
     rows = [parameter_definition(problem.kernel.system, f) for f in strengths]
@@ -244,10 +245,10 @@ def _misfit_reduction(
     both = [*own, *columns]
     if signed and _newton_step(H, g, both)[-1] < 0:
         return 0.0
-    return float(_quadratic_reduction(H, g, both) - _quadratic_reduction(H, g, own))
+    return float(_quadratic_misfit_reduction(H, g, both) - _quadratic_misfit_reduction(H, g, own))
 
 
-def _quadratic_reduction(H: Float, g: Float, columns: list[int]) -> float:
+def _quadratic_misfit_reduction(H: Float, g: Float, columns: list[int]) -> float:
     return 0.5 * float(g[columns] @ _newton_step(H, g, columns))
 
 
@@ -258,16 +259,15 @@ def _newton_step(H: Float, g: Float, columns: list[int]) -> Float:
     return step
 
 
-def _strength_change(
+def _strength_perturbation(
     system: System, free: FreeParameter, every: np.ndarray, offsets: Mapping[int, float]
 ) -> ParameterChange:
     """Difference of a strength at 0, at the leading form or, with `offsets`, at another one."""
-    return ParameterChange(
-        strength_step(system, free), every, {system.slot[free.name]: 1.0}, offsets
-    )
+    direction = {system.parameter_index[free.name]: 1.0}
+    return ParameterChange(strength_difference_step(system, free), every, direction, offsets)
 
 
-def _form_offset(system: System, form: FreeParameter) -> float:
+def _form_perturbation_size(system: System, form: FreeParameter) -> float:
     """One prior standard deviation of a form, towards the farther bound and within it."""
     p = parameter_definition(system, form)
     size = min(p.spread, (p.upper - p.lower) / np.sqrt(12.0))
@@ -275,7 +275,7 @@ def _form_offset(system: System, form: FreeParameter) -> float:
     return float(min(size, p.upper - p.start) if up else -min(size, p.start - p.lower))
 
 
-def _form_differences(
+def _subtract_leading_form_columns(
     hessian: Float, gradient: Float, strengths: Mapping[str, tuple[int, ...]],
     forms: Mapping[str, tuple[int, ...]],
 ) -> tuple[Float, Float]:  # fmt: skip

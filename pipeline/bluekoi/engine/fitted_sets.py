@@ -8,10 +8,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..integrate.batch import threaded_map
+from .cause_set_fit import FittedCauseSet, fit_cause_set, likeliest_strength_start
 from .expansion import LikelihoodExpansion, expand_likelihood
 from .problem import CauseSearchProblem
-from .refit import FittedCauseSet, fit_cause_set, likeliest_strength_start
-from .set_score import ScoredCauseSet, refit_with_discrepancy, score_cause_set, with_own_noise
+from .set_score import (
+    ScoredCauseSet,
+    refit_with_discrepancy,
+    refit_with_reestimated_noise,
+    score_cause_set,
+)
 
 MAX_LOG_ODDS_TO_REFIT = 20.0
 """Sets e^20 times less probable than the best after one round of noise and parameters are not
@@ -64,25 +69,25 @@ class FittedCauseSets:
         """The most probable set."""
         return max(self.sets.values(), key=lambda s: s.log_posterior)
 
-    def keep(self, scored: ScoredCauseSet) -> None:
+    def replace_fit(self, scored: ScoredCauseSet) -> None:
         """Replace the fit of a set, and forget the expansion about the one before."""
         before = self.sets.get(scored.model.key)
         self.sets[scored.model.key] = scored
         if before is None or scored.expansion is not before.expansion:
             self.full.pop(scored.model.key, None)
 
-    def has_refit_from_noise(self, model: FittedCauseSet, source: FittedCauseSet) -> bool:
+    def was_refitted_from_noise_of(self, model: FittedCauseSet, source: FittedCauseSet) -> bool:
         """Whether this fit of a set has been repeated from the noise of this fit of another set."""
         return any(model is m and source is s for m, s in self.refits_from_noise)
 
-    def add(self, wanted: FitRequest) -> ScoredCauseSet | None:
+    def fit_and_keep(self, wanted: FitRequest) -> ScoredCauseSet | None:
         """Fit a set under its own noise and keep it where it fits better than before.
 
         Returns: the best fit of the set so far; None where it runs away.
         """
-        return self.add_side_by_side([wanted])[0]
+        return self.fit_and_keep_in_threads([wanted])[0]
 
-    def add_side_by_side(self, wanted: Sequence[FitRequest]) -> list[ScoredCauseSet | None]:
+    def fit_and_keep_in_threads(self, wanted: Sequence[FitRequest]) -> list[ScoredCauseSet | None]:
         """As `add`, of several sets, in threads."""
         fitted = set(self.sets)
         due = []
@@ -90,46 +95,52 @@ class FittedCauseSets:
             if one.refit or one.key not in fitted:
                 due.append(one)
                 fitted.add(one.key)
-        for one, found in zip(due, threaded_map(self._fitted, due), strict=True):
+        for one, found in zip(due, threaded_map(self._fit_requested_set, due), strict=True):
             before = self.sets.get(one.key)
             if found is not None and (before is None or found.log_posterior > before.log_posterior):
-                self.keep(found)
+                self.replace_fit(found)
                 self.converged.discard(one.key)
         return [self.sets.get(one.key) for one in wanted]
 
-    def _fitted(self, wanted: FitRequest) -> ScoredCauseSet | None:
+    def _fit_requested_set(self, wanted: FitRequest) -> ScoredCauseSet | None:
         """Fit of a set; None where it runs away."""
         problem, near, causes, key = self.problem, wanted.near, wanted.causes, wanted.key
         problem.progress(" + ".join(causes) or "baseline")
-        known = {**near.fit.by_label(), **wanted.start}
+        known = {**near.fit.values_by_label(), **wanted.start}
         for cause in key - near.key:
             known |= likeliest_strength_start(problem, near, cause)
-        left = self.shared_discrepancy(near, key)
+        left = self.transferable_discrepancy(near, key)
         stds = {label: std for label, std in near.deviations.items() if label in left}
-        effects = near.effects(problem)
+        effects = near.fitted_trial_effects(problem)
         model = fit_cause_set(problem, causes, near.noise, known, discrepancy=left,
                               deviations=stds, effects=effects)  # fmt: skip
         if near.key < key and model.log_joint < near.log_joint - MAX_NESTED_LOG_LIK_LOSS:
             absent = {f.label: 0.0 for cause in key - near.key
-                      for f in problem.by_name[cause].strengths}  # fmt: skip
+                      for f in problem.candidate_by_name[cause].strengths}  # fmt: skip
             model = fit_cause_set(problem, causes, near.noise, {**known, **absent},
                                   discrepancy=left, deviations=stds, effects=effects)  # fmt: skip
-        if not model.usable:
+        if not model.is_finite:
             return None
         plain = score_cause_set(problem, model)
         found = refit_with_discrepancy(problem, plain, most=1)
         if found is plain:
-            found = with_own_noise(problem, plain, most=1)
+            found = refit_with_reestimated_noise(problem, plain, most=1)
         return found
 
-    def shared_discrepancy(self, near: FittedCauseSet, causes: frozenset[str]) -> dict[str, float]:
+    def transferable_discrepancy(
+        self, near: FittedCauseSet, causes: frozenset[str]
+    ) -> dict[str, float]:
         """What the formulas of another set's causes leave that these causes may leave as well, and
         the offsets within their tolerance.
         """
-        by_name = self.problem.by_name
-        covered = {f.label for term in self.problem.candidates if term.name not in causes
-                   and any(self.problem.covers(by_name[c], term) for c in causes)
-                   for f in term.strengths}  # fmt: skip
+        by_name = self.problem.candidate_by_name
+        covered = {
+            f.label
+            for term in self.problem.candidates
+            if term.name not in causes
+            and any(self.problem.cause_covers_residual_term(by_name[c], term) for c in causes)
+            for f in term.strengths
+        }
         covered |= {f.label for c in self.problem.candidates if c.name not in causes
                     for f in c.strengths if f.name in self.problem.tolerances}  # fmt: skip
         return {label: v for label, v in near.discrepancy.items() if label in covered}
@@ -147,7 +158,7 @@ class FittedCauseSets:
             self.converged.update(keys)
             for found in threaded_map(lambda k: _fit_until_converged(self.problem, self.sets[k]),
                                       keys):  # fmt: skip
-                self.keep(found)
+                self.replace_fit(found)
 
     def _max_log_odds_to_refit(self, key: frozenset[str]) -> float:
         """How much less probable than the best a set may be for its fit to be continued."""
@@ -156,7 +167,7 @@ class FittedCauseSets:
                      for other in self.converged)  # fmt: skip
         return MAX_LOG_ODDS_TO_REFIT_NESTED if nested else MAX_LOG_ODDS_TO_REFIT
 
-    def expansion(self, scored: ScoredCauseSet) -> LikelihoodExpansion:
+    def expansion_in_all_candidates(self, scored: ScoredCauseSet) -> LikelihoodExpansion:
         """Expansion about a set in the numbers of all candidates."""
         key = scored.model.key
         if key not in self.full:
@@ -166,5 +177,5 @@ class FittedCauseSets:
 
 def _fit_until_converged(problem: CauseSearchProblem, scored: ScoredCauseSet) -> ScoredCauseSet:
     """A set whose noise, numbers and discrepancy are fitted in turn until none improves."""
-    found = with_own_noise(problem, scored)
+    found = refit_with_reestimated_noise(problem, scored)
     return refit_with_discrepancy(problem, found, rounds=MAX_DISCREPANCY_ROUNDS)

@@ -9,23 +9,28 @@ import numpy as np
 from ..data import Float
 from ..fitting import FreeParameter, rms_forces_of_parameter_changes
 from ..integrate import System
-from .candidates import Candidate, strength_step
+from .candidates import CandidateCause, strength_difference_step
+from .cause_set_fit import FittedCauseSet, start_values
 from .problem import CauseSearchProblem
-from .refit import FittedCauseSet, start_values
 
 
 def rms_force_by_cause(problem: CauseSearchProblem, model: FittedCauseSet) -> dict[str, Float]:
     """Root mean square force (channels,) of each cause of a set, by name, and of a unit strength
     of each residual term that may stem from their formulas (`CauseSearchProblem.covers`), by label.
     """
-    system, causes = problem.kernel.system, [problem.by_name[c] for c in model.causes]
-    terms = [f for term in problem.candidates if term.name not in model.causes
-             and any(problem.covers(c, term) for c in causes) for f in term.strengths]  # fmt: skip
+    system, causes = problem.kernel.system, [problem.candidate_by_name[c] for c in model.causes]
+    terms = [
+        f
+        for term in problem.candidates
+        if term.name not in model.causes
+        and any(problem.cause_covers_residual_term(c, term) for c in causes)
+        for f in term.strengths
+    ]
     if not terms:
         return {}
-    base = start_values(problem, model.causes, model.fit.by_label(), model.discrepancy)
-    points = replace(problem, base=base).points(model.fit.free, model.fit.values)
-    steps = [strength_step(system, f) for f in terms]
+    base = start_values(problem, model.causes, model.fit.values_by_label(), model.discrepancy)
+    points = replace(problem, base=base).trial_parameter_vectors(model.fit.free, model.fit.values)
+    steps = [strength_difference_step(system, f) for f in terms]
     changes = [[_values_without_cause(system, v, c) for v in points] for c in causes]
     changes += [[_values_with_strength_step(system, v, f, h) for v in points]
                 for f, h in zip(terms, steps, strict=True)]  # fmt: skip
@@ -37,10 +42,10 @@ def rms_force_by_cause(problem: CauseSearchProblem, model: FittedCauseSet) -> di
     return own | dict(zip((f.label for f in terms), units, strict=True))
 
 
-def _values_without_cause(system: System, values: Float, cause: Candidate) -> Float:
+def _values_without_cause(system: System, values: Float, cause: CandidateCause) -> Float:
     out = values.copy()
     for f in cause.strengths:
-        out[system.slot[f.name]] = 0.0
+        out[system.parameter_index[f.name]] = 0.0
     return out
 
 
@@ -48,5 +53,5 @@ def _values_with_strength_step(
     system: System, values: Float, free: FreeParameter, step: float
 ) -> Float:
     out = values.copy()
-    out[system.slot[free.name]] += step
+    out[system.parameter_index[free.name]] += step
     return out

@@ -9,7 +9,7 @@ from functools import cached_property
 from ..data import Float
 from ..fitting import FilterResults, FreeParameter, Noise, TrialSeries, trial_parameter_vector
 from ..integrate import CompiledSystem
-from .candidates import Candidate
+from .candidates import CandidateCause
 
 MAX_SEARCH_TRIALS = 24
 """A search uses at most so many trials, those that say most; what it finds is verified on all. The
@@ -47,7 +47,7 @@ class CauseSearchProblem:
     series: Sequence[TrialSeries]
     base: Float
     coefficients: tuple[FreeParameter, ...]
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[CandidateCause, ...]
     noise: Noise
     tolerances: Mapping[str, float] = field(default_factory=dict)
     residual_sizes: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
@@ -58,11 +58,11 @@ class CauseSearchProblem:
     check_baseline: BaselineCheck = accept_any_baseline
 
     @cached_property
-    def by_name(self) -> dict[str, Candidate]:
+    def candidate_by_name(self) -> dict[str, CandidateCause]:
         """Candidates by name."""
         return {c.name: c for c in self.candidates}
 
-    def covers(self, cause: Candidate, term: Candidate) -> bool:
+    def cause_covers_residual_term(self, cause: CandidateCause, term: CandidateCause) -> bool:
         """Whether a residual term may stem from the formula of a cause: the same channel and
         variable, or the same channel and both depend on the state.
         """
@@ -73,7 +73,7 @@ class CauseSearchProblem:
         own = {c for c, v in cause.sources if v in self.state_variables}
         return any(c in own and v in self.state_variables for c, v in term.sources)
 
-    def points(self, free: Sequence[FreeParameter], values: Float) -> list[Float]:
+    def trial_parameter_vectors(self, free: Sequence[FreeParameter], values: Float) -> list[Float]:
         """Full parameter vectors, one a trial."""
         return [
             trial_parameter_vector(self.kernel, self.base, free, values, s.group)

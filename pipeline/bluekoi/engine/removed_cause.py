@@ -10,10 +10,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from .evidence import fitted_precision, information_and_slope, laplace_log_evidence, log_prior
+from .cause_set_columns import CauseSetColumns
+from .evidence import (
+    information_matrix_and_gradient,
+    laplace_log_evidence,
+    log_prior,
+    prior_precision_at_fit,
+)
 from .expansion import LikelihoodExpansion
 from .problem import CauseSearchProblem
-from .set_columns import CauseSetColumns
 
 
 def log_odds_without_cause(
@@ -24,8 +29,8 @@ def log_odds_without_cause(
 
     Strengths that are known to a tolerance remain, as offsets within it.
     """
-    H, g = information_and_slope(expansion, lay)
-    fitted = replace(lay, precision=fitted_precision(problem, expansion, lay))
+    H, g = information_matrix_and_gradient(expansion, lay)
+    fitted = replace(lay, precision=prior_precision_at_fit(problem, expansion, lay))
     rest, kept = _columns_without_cause(problem, expansion, fitted, cause)
     step = np.where(kept, 0.0, -lay.at)
     without = laplace_log_evidence(H[np.ix_(kept, kept)], (g - H @ step)[kept], rest)
@@ -38,7 +43,11 @@ def _columns_without_cause(
 ) -> tuple[CauseSetColumns, np.ndarray]:
     """Columns of a set without a cause, and which of the set's columns (p,) these are."""
     labels, tolerances = expansion.model.fit.free, problem.tolerances
-    own = {i for i, f in enumerate(labels) if f in problem.by_name[cause].free}
+    own = {
+        i
+        for i, f in enumerate(labels)
+        if f in problem.candidate_by_name[cause].strength_and_form_parameters
+    }
     tolerated = np.array([i in own and labels[i].name in tolerances for i in lay.columns])
     none = np.zeros(len(lay.columns))
     others = [stds for name, stds in lay.discrepancy.items() if name != cause]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from .cause_set_columns import plausible_strengths
 from .expansion import LikelihoodExpansion
 from .problem import CauseSearchProblem
-from .set_columns import plausible_strengths
 
 
 def plausible_residual_magnitudes(

@@ -17,6 +17,7 @@ from functools import partial
 import numpy as np
 
 from ..integrate.batch import threaded_map
+from .cause_set_fit import FittedCauseSet, refit_from_fitted_values
 from .collinear_terms import collinear_terms
 from .expansion import (
     expand_likelihood,
@@ -29,7 +30,7 @@ from .fitted_sets import (
     FitRequest,
     FittedCauseSets,
 )
-from .own_noise import (
+from .noise_estimation import (
     MIN_LOG_LIKELIHOOD_GAIN_PER_ROUND,
     fit_without_causes,
     log_likelihood_gain_under_noise,
@@ -38,15 +39,19 @@ from .problem import MAX_SEARCH_TRIALS, CauseSearchProblem
 from .proposals import (
     MIN_REFITS_PER_SET,
     fit_causes_in_place_of_residual_terms,
-    fits_begun_under_small_forces,
-    fits_in_place_of,
-    fits_of_further_causes,
+    fit_requests_adding_cause,
+    fit_requests_at_low_process_noise,
+    fit_requests_replacing_cause,
 )
-from .refit import FittedCauseSet, refit_from_fitted_values
 from .removed_cause import log_odds_without_cause
 from .residual_magnitudes import plausible_residual_magnitudes
-from .set_score import ScoredCauseSet, refit_with_discrepancy, score_cause_set, with_own_noise
-from .subset import d_optimal_trial_subset
+from .set_score import (
+    ScoredCauseSet,
+    refit_with_discrepancy,
+    refit_with_reestimated_noise,
+    score_cause_set,
+)
+from .trial_subset import d_optimal_trial_subset
 
 MIN_LOG_POSTERIOR_GAIN = 1.0
 """The search goes on about a set that is e^1 times more probable than the last one; sets that are
@@ -69,7 +74,7 @@ def search_cause_sets(
     plain = fit_without_causes(problem, start or {}, most=0)
     part = d_optimal_trial_subset(expand_likelihood(problem, plain).hessian, MAX_SEARCH_TRIALS)
     few = replace(problem, series=tuple(problem.series[i] for i in part))
-    return _verify_on_all_trials(problem, _search_on_trials(few, plain.fit.by_label()))
+    return _verify_on_all_trials(problem, _search_on_trials(few, plain.fit.values_by_label()))
 
 
 def _verify_on_all_trials(problem: CauseSearchProblem, few: FittedCauseSets) -> FittedCauseSets:
@@ -78,15 +83,19 @@ def _verify_on_all_trials(problem: CauseSearchProblem, few: FittedCauseSets) -> 
     """
     visited = FittedCauseSets(replace(few.problem, series=problem.series))
     known = (few.sets[frozenset()], *_sets_to_verify(few))
-    visited.add_side_by_side([FitRequest(scored.causes, scored.model) for scored in known])
+    visited.fit_and_keep_in_threads([FitRequest(scored.causes, scored.model) for scored in known])
     visited.converge()
     done: set[frozenset[str]] = set()
     while (best := visited.best).model.key not in done:
         done.add(best.model.key)
         if len(best.causes) < problem.most_causes:
-            visited.add_side_by_side(fits_of_further_causes(visited, best, MIN_REFITS_PER_SET))
-        visited.add_side_by_side([FitRequest(rest, best.model) for rest in _lacking_one(best)])
-        visited.add_side_by_side(_fits_without_one_cause(visited))
+            visited.fit_and_keep_in_threads(
+                fit_requests_adding_cause(visited, best, MIN_REFITS_PER_SET)
+            )
+        visited.fit_and_keep_in_threads(
+            [FitRequest(rest, best.model) for rest in _cause_sets_with_one_removed(best)]
+        )
+        visited.fit_and_keep_in_threads(_fit_requests_without_one_cause(visited))
         visited.converge()
     return visited
 
@@ -109,7 +118,7 @@ def _search_on_trials(problem: CauseSearchProblem, start: dict[str, float]) -> F
     first = fit_without_causes(problem, start)
     problem.check_baseline(first.noise, first.passes)
     whole, tried = expand_likelihood_in_all_forms(problem, first)
-    if not whole.usable:
+    if not whole.is_finite:
         raise np.linalg.LinAlgError("the model without causes runs away")
     expansion = restricted_to_likeliest_forms(problem, whole, tried)
     problem = replace(problem, collinear_terms=collinear_terms(problem, whole, tried),
@@ -133,8 +142,8 @@ def _add_further_causes(visited: FittedCauseSets, best: ScoredCauseSet) -> bool:
     """
     if len(best.causes) >= visited.problem.most_causes:
         return False
-    for further in (fits_of_further_causes, fits_begun_under_small_forces):
-        visited.add_side_by_side(further(visited, best))
+    for further in (fit_requests_adding_cause, fit_requests_at_low_process_noise):
+        visited.fit_and_keep_in_threads(further(visited, best))
         visited.converge()
         if visited.best.log_posterior > best.log_posterior + MIN_LOG_POSTERIOR_GAIN:
             return True
@@ -145,18 +154,27 @@ def _remove_and_replace_causes(visited: FittedCauseSets, best: ScoredCauseSet) -
     """Fit the best set without each of its causes and with others in its place, and other probable
     sets without one cause.
     """
-    lacking = [FitRequest(rest, best.model, refit=True) for rest in _lacking_one(best)]
-    fitted = zip(best.causes, visited.add_side_by_side(lacking), strict=True)
+    lacking = [
+        FitRequest(rest, best.model, refit=True) for rest in _cause_sets_with_one_removed(best)
+    ]
+    fitted = zip(best.causes, visited.fit_and_keep_in_threads(lacking), strict=True)
     found = [(cause, less) for cause, less in fitted if less is not None]
-    visited.add_side_by_side([one for fits in threaded_map(
-        lambda pair: fits_in_place_of(visited, *pair), found) for one in fits])  # fmt: skip
+    visited.fit_and_keep_in_threads(
+        [
+            one
+            for fits in threaded_map(
+                lambda pair: fit_requests_replacing_cause(visited, *pair), found
+            )
+            for one in fits
+        ]
+    )
     fit_causes_in_place_of_residual_terms(visited, best)
     visited.converge()
-    visited.add_side_by_side(_fits_without_one_cause(visited))
+    visited.fit_and_keep_in_threads(_fit_requests_without_one_cause(visited))
     visited.converge()
 
 
-def _fits_without_one_cause(visited: FittedCauseSets) -> list[FitRequest]:
+def _fit_requests_without_one_cause(visited: FittedCauseSets) -> list[FitRequest]:
     """Fits of sets that lack one cause of a probable set, unless they are expected to be e^20 times
     less probable than the best set.
 
@@ -168,7 +186,7 @@ def _fits_without_one_cause(visited: FittedCauseSets) -> list[FitRequest]:
     return [
         FitRequest(rest, one.model)
         for one in sorted(probable, key=lambda one: -one.log_posterior)
-        for cause, rest in zip(one.causes, _lacking_one(one), strict=True)
+        for cause, rest in zip(one.causes, _cause_sets_with_one_removed(one), strict=True)
         if frozenset(rest) not in visited.sets
         and one.log_posterior + log_odds_without_cause(problem, one.expansion, one.layout, cause)
         > best - MAX_LOG_ODDS_TO_REFIT
@@ -187,12 +205,12 @@ def _refit_with_shared_noise(visited: FittedCauseSets) -> None:
         least = best.log_posterior - MAX_LOG_ODDS_TO_REFIT
         others = [one for key, one in visited.sets.items()
                   if key != source.model.key and len(key) <= len(best.causes)
-                  and not visited.has_refit_from_noise(one.model, source.model)]  # fmt: skip
+                  and not visited.was_refitted_from_noise_of(one.model, source.model)]  # fmt: skip
         visited.refits_from_noise += [(one.model, source.model) for one in others]
         refit = partial(_refit_from_noise, visited, source.model, least)
         for one, other in zip(others, threaded_map(refit, others), strict=True):
             if other is not None and other.log_posterior > one.log_posterior:
-                visited.keep(other)
+                visited.replace_fit(other)
 
 
 def _refit_from_noise(
@@ -209,11 +227,11 @@ def _refit_from_noise(
         or scored.log_posterior + max(gain, 0.0) <= least
     ):
         return None
-    left = visited.shared_discrepancy(source, model.key) or model.discrepancy
+    left = visited.transferable_discrepancy(source, model.key) or model.discrepancy
     again = refit_from_fitted_values(problem, model, source.noise, discrepancy=left)
-    return with_own_noise(problem, score_cause_set(problem, again))
+    return refit_with_reestimated_noise(problem, score_cause_set(problem, again))
 
 
-def _lacking_one(scored: ScoredCauseSet) -> list[tuple[str, ...]]:
+def _cause_sets_with_one_removed(scored: ScoredCauseSet) -> list[tuple[str, ...]]:
     """The sets that lack one of a set's causes."""
     return [tuple(c for c in scored.causes if c != cause) for cause in scored.causes]

@@ -9,18 +9,18 @@ import numpy as np
 
 from ..fitting import cov_hc2
 from ..fitting.joint_fit import parameter_definition
+from .cause_set_columns import CauseSetColumns, columns_of_cause_set
+from .cause_set_fit import FittedCauseSet, refit_from_fitted_values
 from .evidence import (
     causes_with_unfitted_discrepancy,
     log_evidence,
     log_prior,
     most_probable_discrepancy,
-    most_probable_discrepancy_shares,
+    most_probable_discrepancy_stds,
 )
 from .expansion import LikelihoodExpansion, expand_likelihood
-from .own_noise import MAX_NOISE_ROUNDS, fit_own_noise
+from .noise_estimation import MAX_NOISE_ROUNDS, fit_noise_and_parameters
 from .problem import CauseSearchProblem
-from .refit import FittedCauseSet, refit_from_fitted_values
-from .set_columns import CauseSetColumns, columns_of_cause_set
 
 MAX_LOG_STD_CHANGE = 0.3
 """Relative change of the discrepancy's prior deviations for which a set is not fitted again."""
@@ -77,19 +77,21 @@ def refit_with_discrepancy(
     was. If that is no better either, the fit as it was is taken as the optimum: a gain that the
     expansion predicts and no fit reaches is not evidence.
     """
-    if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
+    if not (scored.expansion.is_finite and np.isfinite(scored.log_posterior)):
         return scored
     expansion, lay = scored.expansion, scored.layout
     unfitted = causes_with_unfitted_discrepancy(problem, expansion, lay)
-    shares = most_probable_discrepancy_shares(expansion, lay, at_smallest=unfitted)
+    shares = most_probable_discrepancy_stds(expansion, lay, at_smallest=unfitted)
     predicted = most_probable_discrepancy(problem, expansion, lay, shares)
     if (
         not predicted
         or not np.isfinite(list(predicted.values())).all()
-        or _is_prior_of_fit(scored.model, {label: std for label, (_, std) in predicted.items()})
+        or _was_fitted_under_prior(
+            scored.model, {label: std for label, (_, std) in predicted.items()}
+        )
     ):
         return scored
-    found = _fitted_under_prior(problem, scored, predicted, most=most)
+    found = _refit_under_discrepancy_prior(problem, scored, predicted, most=most)
     if not np.isfinite(found.log_posterior):
         return scored
     if predicted.keys() != scored.model.deviations.keys():  # the evidence so far was extrapolated
@@ -99,7 +101,7 @@ def refit_with_discrepancy(
     return refit_with_discrepancy(problem, found, most=most, rounds=rounds - 1)
 
 
-def _is_prior_of_fit(model: FittedCauseSet, stds: Mapping[str, float]) -> bool:
+def _was_fitted_under_prior(model: FittedCauseSet, stds: Mapping[str, float]) -> bool:
     """Whether a set was fitted with these prior deviations of its discrepancy, nearly."""
     known = model.deviations
     return stds.keys() == known.keys() and all(
@@ -107,7 +109,7 @@ def _is_prior_of_fit(model: FittedCauseSet, stds: Mapping[str, float]) -> bool:
     )
 
 
-def _fitted_under_prior(
+def _refit_under_discrepancy_prior(
     problem: CauseSearchProblem,
     scored: ScoredCauseSet,
     predicted: Mapping[str, tuple[float, float]],
@@ -124,14 +126,16 @@ def _fitted_under_prior(
     for start in ({label: value for label, (value, _) in predicted.items()}, held):
         model = refit_from_fitted_values(problem, scored.model, scored.model.noise, deviations=stds,
                                          discrepancy=start)  # fmt: skip
-        if model.usable:
-            found = with_own_noise(problem, score_cause_set(problem, model), most=most)
+        if model.is_finite:
+            found = refit_with_reestimated_noise(
+                problem, score_cause_set(problem, model), most=most
+            )
             if found.log_joint >= before.log_joint:
                 return found
     return score_cause_set(problem, before)
 
 
-def with_own_noise(
+def refit_with_reestimated_noise(
     problem: CauseSearchProblem, scored: ScoredCauseSet, *, most: int = MAX_NOISE_ROUNDS
 ) -> ScoredCauseSet:
     """A set under its own noise where that has more evidence; otherwise unchanged.
@@ -140,7 +144,7 @@ def with_own_noise(
     such as the weights of a discrepancy, it is underestimated (Patterson and Thompson, Biometrika
     58 (1971), 545). The evidence, in which the parameters are integrated out, decides.
     """
-    model = fit_own_noise(problem, scored.model, most=most)
+    model = fit_noise_and_parameters(problem, scored.model, most=most)
     if model.fit is scored.model.fit:
         return replace(scored, model=model)
     return max(scored, score_cause_set(problem, model), key=lambda s: s.log_posterior)
@@ -148,16 +152,22 @@ def with_own_noise(
 
 def score_cause_set(problem: CauseSearchProblem, model: FittedCauseSet) -> ScoredCauseSet:
     """Log posterior of a fitted set, its causes' discrepancy integrated out."""
-    causes = [problem.by_name[c] for c in model.causes]
-    covered = [c for c in problem.candidates if any(problem.covers(own, c) for own in causes)
-               or any(f.name in problem.tolerances for f in c.strengths)]  # fmt: skip
-    expansion = expansion_with_optimum_gradient(problem, expand_likelihood(problem, model, covered))
+    causes = [problem.candidate_by_name[c] for c in model.causes]
+    covered = [
+        c
+        for c in problem.candidates
+        if any(problem.cause_covers_residual_term(own, c) for own in causes)
+        or any(f.name in problem.tolerances for f in c.strengths)
+    ]
+    expansion = make_expansion_stationary_at_fit(
+        problem, expand_likelihood(problem, model, covered)
+    )
     lay = columns_of_cause_set(problem, expansion, model.causes)
     value = log_evidence(problem, expansion, lay) + log_prior(problem, model.causes)
     return ScoredCauseSet(model, expansion, lay, value if np.isfinite(value) else -np.inf)
 
 
-def expansion_with_optimum_gradient(
+def make_expansion_stationary_at_fit(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion
 ) -> LikelihoodExpansion:
     """An expansion whose gradient is that of an optimum: 0 in the fitted numbers, of those at a
@@ -178,7 +188,7 @@ def expansion_with_optimum_gradient(
         )
         wanted[k] = inward * min(inward * slopes[k], 0.0) if held else 0.0
     for name, columns in expansion.strengths.items():
-        for free, column in zip(problem.by_name[name].strengths, columns, strict=True):
+        for free, column in zip(problem.candidate_by_name[name].strengths, columns, strict=True):
             if free.label in model.deviations:
                 std = model.deviations[free.label]
                 wanted[column] = model.discrepancy.get(free.label, 0.0) / std**2

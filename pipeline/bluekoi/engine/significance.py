@@ -9,16 +9,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..fitting import Z_95, cluster_robust_covariance
-from .candidates import Candidate
+from .candidates import CandidateCause
+from .cause_set_fit import FittedCauseSet, off_bounds_mask
 from .named_cause import NamedCause
-from .refit import FittedCauseSet, off_bounds_mask
 
 EstimateByLabel = Mapping[str, tuple[float, float]]
 """Label of a parameter -> value, standard deviation (NaN if unknown)."""
 
 
 def strength_estimates(
-    model: FittedCauseSet, candidates: Mapping[str, Candidate]
+    model: FittedCauseSet, candidates: Mapping[str, CandidateCause]
 ) -> EstimateByLabel:
     """Strengths of a set's causes, each with the standard deviation of a normal distribution with
     its 95 % interval, from the variation between trials while the form of its cause is held.
@@ -38,7 +38,9 @@ def strength_estimates(
 
 
 def insignificant_causes(
-    named: Sequence[NamedCause], candidates: Mapping[str, Candidate], estimates: EstimateByLabel
+    named: Sequence[NamedCause],
+    candidates: Mapping[str, CandidateCause],
+    estimates: EstimateByLabel,
 ) -> list[NamedCause]:
     """Causes none of whose strengths differs from 0 at the 5 % level, by the variation between
     trials.

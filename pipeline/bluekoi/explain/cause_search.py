@@ -24,9 +24,9 @@ from ..engine import (
     search_cause_sets,
 )
 from ..engine.calibration import calibrated_probability
-from ..engine.naming import MIN_NAMED_PROBABILITY, UNLISTED_FORCE_LABEL, log_evidence_gain
+from ..engine.cause_selection import MIN_NAMED_PROBABILITY, UNLISTED_FORCE_LABEL, log_evidence_gain
 from ..engine.problem import no_progress
-from ..engine.set_score import with_own_noise
+from ..engine.set_score import refit_with_reestimated_noise
 from ..errors import InputError, InputIssue, did_you_mean
 from ..fitting import TrialSeries
 from .checks import refuse_invalid_model
@@ -35,15 +35,15 @@ from .comparison import (
     CriterionFit,
     HeldOutErrors,
     compare_held_out,
-    errors_by_better_criterion,
     fit_by_criterion,
-    unconfirmed_sentence,
+    held_out_errors_of_better_criterion,
+    unconfirmed_causes_sentence,
 )
 from .diagnosis import divergence_error, reporting_compiler_errors
 from .feedback import feedback_sentences
 from .fit_quality import (
-    error_sentences,
-    input_term_sentences,
+    input_unit_warnings,
+    misstated_error_warnings,
     refuse_far_larger_errors,
     trial_disagreement_sentences,
 )
@@ -58,12 +58,12 @@ from .recording_warnings import unusual_recording_warnings
 from .sampling import averaged_to_rate
 from .trials import HELD_OUT_ROLE, Trial, as_trial_series, split_trials_at_gaps, validated_trials
 
-MAX_RANDOM_FORCE_SHARE = 0.5
+MAX_REMAINING_RANDOM_FORCE_SHARE = 0.5
 """Random force with the named causes over that without, above which the report warns."""
 
 
 @dataclass(frozen=True)
-class ComparedSet:
+class ComparedCauseSet:
     """A set of causes that `explain(compare=...)` was asked to fit.
 
     log_posterior: less that of the most probable set. fitted_to: criterion of the fit. numbers:
@@ -107,7 +107,7 @@ class CauseSearchResult:
     best: ScoredCauseSet
     held_out: HeldOutErrors
     warnings: tuple[str, ...]
-    compared: tuple[ComparedSet, ...] = ()
+    compared: tuple[ComparedCauseSet, ...] = ()
 
     @property
     def model(self) -> Model:
@@ -149,7 +149,7 @@ def explain(
         raise divergence_error(model, fit)
     progress("probabilities")
     found = posterior_over_sets(problem, list(visited.sets.values()))
-    chosen = choose_causes(found, problem.by_name, partial(_fit_named, problem))
+    chosen = choose_causes(found, problem.candidate_by_name, partial(_fit_named, problem))
     named, best, (final, own) = chosen.named, chosen.best, chosen.model
     bare = visited.sets[frozenset()]
     gains = {c.name: log_evidence_gain(list(visited.sets.values()), best, c.name) for c in named}
@@ -160,7 +160,7 @@ def explain(
     base = fitted_numbers(problem.kernel, bare.model)
     warnings = _cause_search_warnings(ready, whole, best, bare, own=own, base=base)
     if any(model.by_name[c.name].kind != "measurement" for c in named):
-        warnings += filter(None, [unconfirmed_sentence(errors)])
+        warnings += filter(None, [unconfirmed_causes_sentence(errors)])
     return CauseSearchResult(
         ready, found, verdict_of(model, named, chosen.unexplained), tuple(named), gains,
         chosen.unexplained,
@@ -189,7 +189,7 @@ def fit_without_discrepancy(problem: CauseSearchProblem, model: FittedCauseSet) 
     if not model.discrepancy:
         return model
     plain = refit_without_discrepancy(problem, model)
-    return plain if plain.usable else model
+    return plain if plain.is_finite else model
 
 
 def _fit_compared_set(
@@ -198,17 +198,18 @@ def _fit_compared_set(
     causes: tuple[str, ...],
     test: Sequence[TrialSeries],
     horizon_s: float,
-) -> ComparedSet:
+) -> ComparedCauseSet:
     """A set of causes, fitted from the baseline on where the search had no use for it."""
     problem = ready.problem
-    if (scored := visited.add(FitRequest(causes, visited.sets[frozenset()].model))) is None:
-        return ComparedSet(causes, -np.inf, PREDICTION_ERRORS, (), {})
-    scored = with_own_noise(problem, scored)
+    start = visited.sets[frozenset()].model
+    if (scored := visited.fit_and_keep(FitRequest(causes, start))) is None:
+        return ComparedCauseSet(causes, -np.inf, PREDICTION_ERRORS, (), {})
+    scored = refit_with_reestimated_noise(problem, scored)
     final = fit_without_discrepancy(problem, scored.model)
-    ((criterion, errors),) = errors_by_better_criterion(
+    ((criterion, errors),) = held_out_errors_of_better_criterion(
         ready.model, problem, [final], test, horizon_s
     )
-    return ComparedSet(causes, scored.log_posterior - visited.best.log_posterior, criterion,
+    return ComparedCauseSet(causes, scored.log_posterior - visited.best.log_posterior, criterion,
                     tuple(fitted_numbers(problem.kernel, final)), errors)  # fmt: skip
 
 
@@ -255,8 +256,8 @@ def _cause_search_warnings(
 ) -> list[str]:
     out = [*ready.warnings, *unusual_recording_warnings(ready.model, trials)]
     out += trial_disagreement_sentences(best)
-    out += error_sentences(ready, best.model)
-    out += input_term_sentences(ready, best.causes)
+    out += misstated_error_warnings(ready, best.model)
+    out += input_unit_warnings(ready, best.causes)
     if len(best.causes) == ready.problem.most_causes:
         out.append(f"The search ends at {len(best.causes)} causes; more may act.")
     out += _random_force_warnings(ready, best, bare)
@@ -278,7 +279,7 @@ def _cause_search_warnings(
 
 
 def _parameter_vectors(ready: PreparedCauseSearch, model: FittedCauseSet) -> list[Float]:
-    return CriterionFit(model, model.fit, "").values(ready.problem, ready.problem.series)
+    return CriterionFit(model, model.fit, "").parameter_vectors(ready.problem, ready.problem.series)
 
 
 def _random_force_warnings(
@@ -288,7 +289,7 @@ def _random_force_warnings(
     out = []
     for k, channel in enumerate(ready.model.channels):
         now, before = best.model.noise.disturbance[k], bare.model.noise.disturbance[k]
-        if best.causes and now > MAX_RANDOM_FORCE_SHARE * before and now > 0:
+        if best.causes and now > MAX_REMAINING_RANDOM_FORCE_SHARE * before and now > 0:
             out.append(f"The random force on {channel} is {now:.3g} with the named causes and "
                        f"{before:.3g} without: it may contain missing physics.")  # fmt: skip
         if best.model.noise.tau[k] >= 0.99 * ready.model.random_force_s[2]:

@@ -34,13 +34,11 @@ def refuse_invalid_model(model: Model) -> None:
     if not findings:
         checks = _check_names, _check_stages, _check_causes, _check_coefficients
         findings = [f for check in checks for f in check(model)]
-    if findings := findings or _check_calls(model) or check_unused_numbers(model):
+    if findings := findings or _check_test_calls(model) or check_unused_numbers(model):
         raise InputError(findings)
 
 
-def _finding(
-    model: Model, where: str, found: object, expected: str, remedy: str = ""
-) -> InputIssue:
+def _issue(model: Model, where: str, found: object, expected: str, remedy: str = "") -> InputIssue:
     return InputIssue(f"model '{model.name}'", where, str(found), expected, remedy)
 
 
@@ -52,13 +50,13 @@ FIELD_TYPES = {"states": State, "observations": Observation, "inputs": Input, "c
 def _check_types(model: Model) -> list[InputIssue]:
     """Parts of a model of the wrong type: not a sequence of its items, or not a number."""
     out = [f for name, kind in FIELD_TYPES.items()
-           for f in _check_sequence(model, name, getattr(model, name), kind)]  # fmt: skip
+           for f in _check_tuple_of_type(model, name, getattr(model, name), kind)]  # fmt: skip
     if out:
         return out
     for c in model.causes:
-        out += _check_sequence(model, f"cause {c.name}: parameters", c.parameters, Parameter)
+        out += _check_tuple_of_type(model, f"cause {c.name}: parameters", c.parameters, Parameter)
         if not isinstance(c.hooks, Mapping) or not all(map(callable, c.hooks.values())):
-            out.append(_finding(model, f"cause {c.name}: hooks", _text_or_type(c.hooks),
+            out.append(_issue(model, f"cause {c.name}: hooks", _text_or_type(c.hooks),
                                 "{'STAGE': function}"))  # fmt: skip
     rows = [(f"coefficient {p.name}", p) for p in model.coefficients]
     rows += [(f"cause {c.name}: {p.name}", p) for c in model.causes for p in c.parameters]
@@ -68,18 +66,18 @@ def _check_types(model: Model) -> list[InputIssue]:
         *((f"observation {o.name}: std", o.std) for o in model.observations),
     ]:
         if not isinstance(value, numbers.Real):
-            out.append(_finding(model, where, repr(value), "a number"))
+            out.append(_issue(model, where, repr(value), "a number"))
     return out
 
 
-def _check_sequence(model: Model, where: str, given: object, kind: type) -> list[InputIssue]:
+def _check_tuple_of_type(model: Model, where: str, given: object, kind: type) -> list[InputIssue]:
     expected = f"a tuple of {kind.__name__}"
     if isinstance(given, kind):
         remedy = "A tuple of one needs a comma: (X,)."
-        return [_finding(model, where, f"a single {kind.__name__}", expected, remedy)]
+        return [_issue(model, where, f"a single {kind.__name__}", expected, remedy)]
     if isinstance(given, str) or not isinstance(given, Sequence):
-        return [_finding(model, where, _text_or_type(given), expected)]
-    return [_finding(model, where, _text_or_type(x), expected)
+        return [_issue(model, where, _text_or_type(given), expected)]
+    return [_issue(model, where, _text_or_type(x), expected)
             for x in given if not isinstance(x, kind)]  # fmt: skip
 
 
@@ -95,23 +93,23 @@ def _check_names(model: Model) -> list[InputIssue]:
         out.append(InputIssue("model", "name", f"'{model.name}'", "letters, digits and _"))
     for what, least in (("states", 1), ("observations", 1), ("stages", 1)):
         if len(getattr(model, what)) < least:
-            out.append(_finding(model, what, "none", "one at least"))
+            out.append(_issue(model, what, "none", "one at least"))
     out += check_unique_names(model)
     observed = [o.name for o in model.observations]
     for s in model.states:
         for given in (s.observed, s.rate_of):
             if given and given not in observed:
-                out.append(_finding(model, f"state {s.name}", f"'{given}'", "an observation",
+                out.append(_issue(model, f"state {s.name}", f"'{given}'", "an observation",
                                     did_you_mean(given, observed)))  # fmt: skip
         if not s.start_std > 0:
-            out.append(_finding(model, f"state {s.name}: start_std", s.start_std, "above 0"))
-    out += [_finding(model, f"observation {o.name}: std", o.std, "above 0")
+            out.append(_issue(model, f"state {s.name}: start_std", s.start_std, "above 0"))
+    out += [_issue(model, f"observation {o.name}: std", o.std, "above 0")
             for o in model.observations if not o.std > 0]  # fmt: skip
-    out += [_finding(model, "path", f"'{n}'", "two observations", did_you_mean(n, observed))
+    out += [_issue(model, "path", f"'{n}'", "two observations", did_you_mean(n, observed))
             for n in model.path if n not in observed]  # fmt: skip
     total = len(model.states) + len(model.channels) + len(model.observations)
     if total > MAX_STATES:
-        out.append(_finding(model, "states", f"{total} with random forces and lasting errors",
+        out.append(_issue(model, "states", f"{total} with random forces and lasting errors",
                             f"{MAX_STATES} or fewer"))  # fmt: skip
     return out
 
@@ -125,26 +123,26 @@ def _check_stages(model: Model) -> list[InputIssue]:
         (OBSERVE_STAGE, [o.name for o in model.observations], "observations"),
     ):
         if name not in stages:
-            out.append(_finding(model, "stages", f"no stage '{name}'", f"one that gives {what}"))
+            out.append(_issue(model, "stages", f"no stage '{name}'", f"one that gives {what}"))
         elif list(stages[name].outputs) != wanted:
-            out.append(_finding(model, f"stage {name}", ", ".join(stages[name].outputs),
+            out.append(_issue(model, f"stage {name}", ", ".join(stages[name].outputs),
                                 f"the {what} in their order: {', '.join(wanted)}"))  # fmt: skip
     known = set(model.given_names)
     for stage in model.stages:
         if stage.function is not None:
             out += _check_arguments(model, f"stage {stage.name}", stage.function, known)
         elif not stage.open:
-            out.append(_finding(model, f"stage {stage.name}", "no function",
+            out.append(_issue(model, f"stage {stage.name}", "no function",
                                 "a function, or open=True"))  # fmt: skip
         if stage.name not in (RATES_STAGE, OBSERVE_STAGE):
             known |= set(stage.outputs)
     outputs = [o for s in model.stages if s.open for o in s.outputs]
-    out += [_finding(model, "pushed", f"'{n}'", "an output of an open stage",
+    out += [_issue(model, "pushed", f"'{n}'", "an output of an open stage",
                      did_you_mean(n, outputs))
             for n in model.pushed or () if n not in outputs]  # fmt: skip
     if model.pushed is None and model.force is None:
         out.append(
-            _finding(
+            _issue(
                 model,
                 "stages",
                 "no open stage 'force'",
@@ -158,7 +156,7 @@ def _check_arguments(
     model: Model, where: str, function: Function, known: set[str]
 ) -> list[InputIssue]:
     """Arguments of a function that are not among the known names."""
-    return [_finding(model, f"{where}: {function.__name__}", f"argument '{a}'",
+    return [_issue(model, f"{where}: {function.__name__}", f"argument '{a}'",
                      "a state, input, constant, coefficient, t or an output of a stage before",
                      did_you_mean(a, known))
             for a in names_of_arguments(function) if a not in known]  # fmt: skip
@@ -169,23 +167,23 @@ def _check_causes(model: Model) -> list[InputIssue]:
     out = []
     opened = [s.name for s in model.stages if s.open or s.name == OBSERVE_STAGE]
     names = [c.name for c in model.causes]
-    out += [_finding(model, "causes", f"two named '{n}'", "a name for each")
+    out += [_issue(model, "causes", f"two named '{n}'", "a name for each")
             for n in sorted({n for n in names if names.count(n) > 1})]  # fmt: skip
     for c in model.causes:
         where = f"cause {c.name}"
         if not c.name.isidentifier():
-            out.append(_finding(model, where, "the name", "letters, digits and _"))
+            out.append(_issue(model, where, "the name", "letters, digits and _"))
         if c.kind not in CAUSE_KINDS:
-            out.append(_finding(model, f"{where}: kind", f"'{c.kind}'", " or ".join(CAUSE_KINDS)))
+            out.append(_issue(model, f"{where}: kind", f"'{c.kind}'", " or ".join(CAUSE_KINDS)))
         if not c.hooks:
-            out.append(_finding(model, f"{where}: hooks", "none", "a function for a stage"))
+            out.append(_issue(model, f"{where}: hooks", "none", "a function for a stage"))
         for stage in c.hooks:
             if stage not in opened:
-                out.append(_finding(model, f"{where}: hooks", f"stage '{stage}'", "an open stage",
+                out.append(_issue(model, f"{where}: hooks", f"stage '{stage}'", "an open stage",
                                     did_you_mean(stage, opened)))  # fmt: skip
         if not 1 <= c.strengths <= len(c.parameters):
             out.append(
-                _finding(
+                _issue(
                     model,
                     f"{where}: strengths",
                     c.strengths,
@@ -200,7 +198,7 @@ def _check_causes(model: Model) -> list[InputIssue]:
 
 def _check_cause_arguments(model: Model, cause: Cause) -> list[InputIssue]:
     """Arguments of a cause's functions that nothing gives."""
-    base = model.given_names | {p.argument for p in cause.parameters} | set(cause.states)
+    base = model.given_names | {p.argument_name for p in cause.parameters} | set(cause.states)
     every = base | {
         o for s in model.stages if s.name not in (RATES_STAGE, OBSERVE_STAGE) for o in s.outputs
     }
@@ -224,10 +222,10 @@ def _check_coefficients(model: Model) -> list[InputIssue]:
            for f in _check_bounds(model, f"coefficient {p.name}", p, zero=False)]  # fmt: skip
     known = [p.name for p in model.coefficients]
     used = {a for f in _all_functions(model) for a in names_of_arguments(f)}
-    out += [_finding(model, f"coefficient {n}", "no equation that asks for it",
+    out += [_issue(model, f"coefficient {n}", "no equation that asks for it",
                      "an argument of that name in a stage or a cause") for n in known
             if n not in used]  # fmt: skip
-    return out + [_finding(model, "per_group", f"'{n}'", "a coefficient", did_you_mean(n, known))
+    return out + [_issue(model, "per_group", f"'{n}'", "a coefficient", did_you_mean(n, known))
                   for n in model.per_group if n not in known]  # fmt: skip
 
 
@@ -242,14 +240,14 @@ def _all_functions(model: Model) -> list[Function]:
 def _check_bounds(model: Model, where: str, p: Parameter, *, zero: bool) -> list[InputIssue]:
     """Start value and bounds of a parameter; zero: the bounds must include 0."""
     if not all(math.isfinite(x) for x in (p.start, p.lower, p.upper)):
-        return [_finding(model, where, f"{p.start}, {p.lower} to {p.upper}",
+        return [_issue(model, where, f"{p.start}, {p.lower} to {p.upper}",
                          "a finite start value and bounds")]  # fmt: skip
     if not p.lower <= p.start <= p.upper or p.lower == p.upper:
-        return [_finding(model, where, f"start {p.start:g}, bounds {p.lower:g} to {p.upper:g}",
+        return [_issue(model, where, f"start {p.start:g}, bounds {p.lower:g} to {p.upper:g}",
                          "a start value between its bounds")]  # fmt: skip
     if zero and not p.lower <= 0.0 <= p.upper:
         return [
-            _finding(
+            _issue(
                 model,
                 where,
                 f"bounds {p.lower:g} to {p.upper:g}",
@@ -259,21 +257,21 @@ def _check_bounds(model: Model, where: str, p: Parameter, *, zero: bool) -> list
     return []
 
 
-def _check_calls(model: Model) -> list[InputIssue]:
+def _check_test_calls(model: Model) -> list[InputIssue]:
     """Functions called once with plain numbers: errors and wrong counts of outputs."""
     stages = {s.name: s for s in model.stages}
     out = [f for s in model.stages if s.function is not None
-           for f in _check_call(model, f"stage {s.name}", s.function, s.outputs)]  # fmt: skip
+           for f in _check_test_call(model, f"stage {s.name}", s.function, s.outputs)]  # fmt: skip
     for c in model.causes:
         for name, function in c.hooks.items():
             where = f"cause {c.name}, stage {name}"
-            out += _check_call(model, where, function, stages[name].outputs)
+            out += _check_test_call(model, where, function, stages[name].outputs)
         if c.rates is not None:
-            out += _check_call(model, f"cause {c.name}, rates", c.rates, c.states)
+            out += _check_test_call(model, f"cause {c.name}, rates", c.rates, c.states)
     return out
 
 
-def _check_call(
+def _check_test_call(
     model: Model, where: str, function: Callable[..., object], outputs: Sequence[str]
 ) -> list[InputIssue]:
     place = f"{where}: {function.__name__}"
@@ -283,9 +281,9 @@ def _check_call(
     except ArithmeticError:
         return []
     except (Exception, SystemExit) as error:
-        return [_finding(model, place, f"{type(error).__name__}: {error}", expected)]
+        return [_issue(model, place, f"{type(error).__name__}: {error}", expected)]
     if not isinstance(found, tuple) or len(found) != len(outputs):
         shown = f"{len(found)} values" if isinstance(found, tuple) else type(found).__name__
-        return [_finding(model, place, shown, expected)]
+        return [_issue(model, place, shown, expected)]
     wrong = [v for v in found if not isinstance(v, numbers.Real)]
-    return [_finding(model, place, f"{type(wrong[0]).__name__}", expected)] if wrong else []
+    return [_issue(model, place, f"{type(wrong[0]).__name__}", expected)] if wrong else []

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..data import Float
 from ..engine import CauseSearchProblem, FittedCauseSet, fit_cause_set
-from ..engine.refit import start_values
+from ..engine.cause_set_fit import start_values
 from ..fitting import (
     ParameterFit,
     TrialSeries,
@@ -40,9 +40,11 @@ class CriterionFit:
     fit: ParameterFit
     criterion: str
 
-    def values(self, problem: CauseSearchProblem, series: Sequence[TrialSeries]) -> list[Float]:
+    def parameter_vectors(
+        self, problem: CauseSearchProblem, series: Sequence[TrialSeries]
+    ) -> list[Float]:
         """Full parameter vectors, one a trial."""
-        base = start_values(problem, self.model.causes, self.fit.by_label())
+        base = start_values(problem, self.model.causes, self.fit.values_by_label())
         return [
             trial_parameter_vector(problem.kernel, base, self.fit.free, self.fit.values, s.group)
             for s in series
@@ -66,7 +68,7 @@ class HeldOutErrors:
     stretch_s: float
 
 
-def unconfirmed_sentence(held: HeldOutErrors) -> str:
+def unconfirmed_causes_sentence(held: HeldOutErrors) -> str:
     """A sentence where the named causes make no error smaller, or no text.
 
     The error of the path counts, where the model has one, else that of every observation.
@@ -83,7 +85,7 @@ def unconfirmed_sentence(held: HeldOutErrors) -> str:
 def fit_by_both_criteria(problem: CauseSearchProblem, model: FittedCauseSet) -> list[CriterionFit]:
     """A set fitted by prediction errors, and to whole trajectories where that fit ends well."""
     out = [CriterionFit(model, model.fit, PREDICTION_ERRORS)]
-    kernel, base = problem.kernel, start_values(problem, model.causes, model.fit.by_label())
+    kernel, base = problem.kernel, start_values(problem, model.causes, model.fit.values_by_label())
     states = len(kernel.system.states)
     own = any(kernel.system.effect(c.partition(".")[0]).states for c in model.causes)
     # States of causes have no free start.
@@ -91,7 +93,7 @@ def fit_by_both_criteria(problem: CauseSearchProblem, model: FittedCauseSet) -> 
         return out
     with np.errstate(all="ignore"):
         found = fit_trajectories(kernel, problem.series, base, model.fit.free, open_states=states,
-                                 start=model.fit.by_label(), iterations=20).fit  # fmt: skip
+                                 start=model.fit.values_by_label(), iterations=20).fit  # fmt: skip
     if np.isfinite(found.values).all() and np.isfinite(found.normal.log_likelihood).all():
         out.append(CriterionFit(model, found, TRAJECTORIES))
     return out
@@ -120,7 +122,7 @@ def compare_held_out(
 ) -> HeldOutErrors:  # fmt: skip
     """Errors on `test` where there are such trials, else by leaving conditions out in turn."""
     horizon = predictability_horizon_s(problem, extended, test or problem.series)
-    found = errors_by_better_criterion(model, problem, (baseline, extended), test, horizon)
+    found = held_out_errors_of_better_criterion(model, problem, (baseline, extended), test, horizon)
     floor = noise_floor_errors(model, problem, extended, test or problem.series, horizon)
     trials = tuple(s.name for s in (test or problem.series))
     (first, before), (second, after) = found
@@ -128,7 +130,7 @@ def compare_held_out(
 
 
 @np.errstate(all="ignore")
-def errors_by_better_criterion(
+def held_out_errors_of_better_criterion(
     model: Model,
     problem: CauseSearchProblem,
     sets: Sequence[FittedCauseSet],
@@ -157,13 +159,13 @@ def errors_by_better_criterion(
 
 def refit_to_trials(problem: CauseSearchProblem, model: FittedCauseSet) -> FittedCauseSet:
     """The same set under the same noise, fitted to other trials; itself where that runs away."""
-    found = fit_cause_set(problem, model.causes, model.noise, model.fit.by_label(),
+    found = fit_cause_set(problem, model.causes, model.noise, model.fit.values_by_label(),
                    free=[f for f in model.fit.free if f.group is None
                          or f.group in {s.group for s in problem.series}])  # fmt: skip
-    if not found.usable:
+    if not found.is_finite:
         return model
     rest = {f.label: v for f, v in zip(model.fit.free, model.fit.values, strict=True)}
-    both = rest | found.fit.by_label()
+    both = rest | found.fit.values_by_label()
     values = np.array([both[f.label] for f in model.fit.free])
     if len(found.fit.free) == len(values):
         return found
@@ -175,7 +177,7 @@ def predictability_horizon_s(
 ) -> float:
     """Time in which small differences grow by e^6, s: the median over trials."""
     kernel, own = problem.kernel, len(problem.kernel.system.states)
-    values = CriterionFit(model, model.fit, "").values(problem, series)
+    values = CriterionFit(model, model.fit, "").parameter_vectors(problem, series)
     longest = [float(np.ptp(s.times)) for s in series]
     scale = np.sqrt(np.diag(series[0].cov))[:own]
     for k, (one, result) in enumerate(zip(series, filter_all(kernel, series, values, model.noise),
@@ -198,7 +200,7 @@ def cut_trials_into_segments(
 ) -> list[TrialSeries]:
     """Trials cut into segments not longer than the horizon, started at the smoothed states."""
     kernel, own = problem.kernel, len(problem.kernel.system.states)
-    passes = filter_all(kernel, series, found.values(problem, series), found.model.noise)
+    passes = filter_all(kernel, series, found.parameter_vectors(problem, series), found.model.noise)
     out = []
     for one, result in zip(series, passes, strict=True):
         count = max(1, int(np.ceil(np.ptp(one.times) / horizon_s - 1e-6)))
@@ -207,7 +209,7 @@ def cut_trials_into_segments(
         for a, b in pairwise(edges):
             if b - a < MIN_SEGMENT_FRAMES and count > 1:
                 continue
-            part = one.frames(a, b)
+            part = one.slice_frames(a, b)
             if a:
                 mean = one.mean.copy()
                 mean[:own] = np.where(np.isfinite(states[a, :own]), states[a, :own], mean[:own])
@@ -227,7 +229,7 @@ def segment_errors(
     parts = cut_trials_into_segments(problem, found, series, horizon_s)
     if not parts:
         return []
-    runs = free_runs(problem.kernel, parts, found.values(problem, parts),
+    runs = free_runs(problem.kernel, parts, found.parameter_vectors(problem, parts),
                   open_states=len(model.states))  # fmt: skip
     return [run.observed - part.seen for run, part in zip(runs, parts, strict=True)]
 
@@ -260,7 +262,7 @@ def noise_floor_errors(
 ) -> dict[str, float]:
     """Errors of a model on data made by itself, with random forces, trial effects and noise."""
     whole, rng = CriterionFit(found, found.fit, ""), np.random.default_rng(NOISE_FLOOR_SEED)
-    values = whole.values(problem, series)
+    values = whole.parameter_vectors(problem, series)
     filtered = filter_all(problem.kernel, series, values, found.noise)
     starts = np.array([rts_smooth(one)[0][0] for one in filtered])
     rows: list[Float] = []

@@ -20,7 +20,7 @@ SAMPLES_PER_TRIAL, TRIALS_CHECKED = 41, 4
 def divergence_error(model: Model, trials: Sequence[Trial]) -> InputError:
     """A fault of a model that cannot be followed along its trials."""
     place = f"model '{model.name}'"
-    for given in _sampled_arguments(model, trials):
+    for given in _equation_arguments_along_trials(model, trials):
         if (fault := _first_nonfinite_equation(model, given)) is not None:
             where, found = fault
             return input_error(place, where, found, "finite values wherever the trials lead",
@@ -34,7 +34,9 @@ def divergence_error(model: Model, trials: Sequence[Trial]) -> InputError:
     )
 
 
-def _sampled_arguments(model: Model, trials: Sequence[Trial]) -> Iterator[dict[str, float]]:
+def _equation_arguments_along_trials(
+    model: Model, trials: Sequence[Trial]
+) -> Iterator[dict[str, float]]:
     """States as the trials show them, inputs, constants, coefficients and the time, by name."""
     for trial in trials[:TRIALS_CHECKED]:
         times = np.linspace(trial.times[0], trial.times[-1], SAMPLES_PER_TRIAL)

@@ -14,13 +14,13 @@ LAG_SAMPLES = 3
 MIN_EXPLAINED_SHARE, F_TEST_LEVEL = 0.05, 1e-3
 """Share of the rest of an input that innovations explain, and level of the F test, from which on it
 is reported."""
-MIN_RESIDUAL_SHARE = 1e-9
+MIN_UNPREDICTED_INPUT_SHARE = 1e-9
 """Share of an input's variance below which nothing is left that its own past does not give."""
 ROUNDING_SHARE = 1e-20
 """Share of an input's squares that is rounding: an input that never changes leaves no more."""
 
 
-def explained_by_innovations(
+def input_share_from_innovations(
     inputs: Sequence[Float], innovations: Sequence[Float], *, held: bool
 ) -> float:
     """Share of what an input's own past leaves of it that earlier innovations explain; 0 where the
@@ -42,7 +42,7 @@ def explained_by_innovations(
         _residual_sum_of_squares(own, target),
         _residual_sum_of_squares(np.column_stack([own, other]), target),
     )
-    least = MIN_RESIDUAL_SHARE * float(np.sum((target - target.mean()) ** 2))
+    least = MIN_UNPREDICTED_INPUT_SHARE * float(np.sum((target - target.mean()) ** 2))
     if df <= 0 or before <= max(least, ROUNDING_SHARE * float(np.sum(target**2))):
         return 0.0
     ratio = (before - after) / other.shape[1] / max(after / df, 1e-300)
@@ -59,7 +59,7 @@ def feedback_sentences(
     """
     out = []
     for k, (name, holds) in enumerate(held.items()):
-        share = explained_by_innovations([u[:, k] for u in inputs], innovations, held=holds)
+        share = input_share_from_innovations([u[:, k] for u in inputs], innovations, held=holds)
         if share:
             out.append(
                 f"Input {name} follows earlier errors of the prediction ({share:.0%} of what its "

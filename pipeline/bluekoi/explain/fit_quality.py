@@ -24,7 +24,7 @@ MIN_MEAN_SQUARE_INNOVATION = 0.1
 """Mean square of the whitened prediction errors, 1 if the stated errors are right, below which the
 report warns.
 """
-MIN_DEVIATING_SHARE = 0.5
+MIN_DEVIATING_TRIAL_SCORE_SHARE = 0.5
 """Share of one trial in the variation between trials, above which it is named."""
 
 
@@ -57,10 +57,10 @@ def deviating_trial(model: FittedCauseSet) -> str:
         return ""
     k = int(np.argmax(scores))
     names = [s.name for s in model.passes.series]
-    return names[k] if scores[k] > MIN_DEVIATING_SHARE * scores.sum() else ""
+    return names[k] if scores[k] > MIN_DEVIATING_TRIAL_SCORE_SHARE * scores.sum() else ""
 
 
-def error_sentences(ready: PreparedCauseSearch, model: FittedCauseSet) -> list[str]:
+def misstated_error_warnings(ready: PreparedCauseSearch, model: FittedCauseSet) -> list[str]:
     """A sentence for each observation whose estimated errors are far larger than the stated ones:
     white noise and errors that last together.
     """
@@ -112,16 +112,16 @@ def _trial_with_most_errors(passes: FilterResults) -> str:
     """Name of the trial with more than half of the squared prediction errors of all, or none."""
     squares = np.array([float(np.nansum(f.innovations**2)) for f in passes])
     k = int(np.argmax(squares))
-    most = len(squares) > 2 and squares[k] > MIN_DEVIATING_SHARE * squares.sum()
+    most = len(squares) > 2 and squares[k] > MIN_DEVIATING_TRIAL_SCORE_SHARE * squares.sum()
     return passes.series[k].name if most else ""
 
 
-def input_term_sentences(ready: PreparedCauseSearch, causes: Sequence[str]) -> list[str]:
+def input_unit_warnings(ready: PreparedCauseSearch, causes: Sequence[str]) -> list[str]:
     """A sentence for each residual term that is linear in an input, as one of a wrong unit is."""
     inputs = {i.name for i in ready.model.inputs}
     out = []
     for name in causes:
-        term = ready.problem.by_name[name]
+        term = ready.problem.candidate_by_name[name]
         for _, variable in sorted(term.sources) if term.is_residual else ():
             if variable in inputs and name.endswith("_linear"):
                 out.append(

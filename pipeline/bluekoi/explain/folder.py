@@ -19,7 +19,7 @@ import numpy as np
 import yaml
 
 from ..data import Float
-from ..data.unique_yaml import load_yaml_without_duplicates
+from ..data.strict_yaml import load_yaml_without_duplicates
 from ..errors import InputError, InputIssue, did_you_mean, input_error, unreadable_reason
 from ..files import found_instead_of_file, read_text
 from .model import Model
@@ -29,7 +29,7 @@ from .units import conversion_factor
 if TYPE_CHECKING:
     import pandas as pd
 
-DATA_FILE = "data.yaml"
+DATA_YAML_NAME = "data.yaml"
 DATA_YAML_KEYS = ("columns", "constants", "trials")
 """Keys of data.yaml."""
 COLUMN_KEYS = ("column", "unit")
@@ -50,21 +50,26 @@ def read_trials(model: Model, folder: Path) -> list[Trial]:
     """
     if not folder.is_dir():
         found = "a file" if folder.exists() else "no such folder"
-        raise input_error(folder, "", found, f"a folder with {DATA_FILE} and csv files")
-    if model.read is not None and not (folder / DATA_FILE).exists():
+        raise input_error(folder, "", found, f"a folder with {DATA_YAML_NAME} and csv files")
+    if model.read is not None and not (folder / DATA_YAML_NAME).exists():
         return list(model.read(folder))
-    settings = _read_data_yaml(folder / DATA_FILE)
-    columns = _csv_columns_and_unit_factors(model, settings, folder / DATA_FILE)
+    settings = _read_data_yaml(folder / DATA_YAML_NAME)
+    columns = _csv_columns_and_unit_factors(model, settings, folder / DATA_YAML_NAME)
     rows = settings.get("trials")
     if rows is None:
         rows = [{"file": p.name} for p in sorted(folder.iterdir()) if p.suffix.lower() == ".csv"]
         if not rows:
             raise input_error(folder, "", "no csv", "one csv a trial")
     if not isinstance(rows, list) or not rows:
-        raise input_error(folder / DATA_FILE, "trials", rows, "a list of {file: NAME.csv}")
-    shared = _numbers_by_name(settings.get("constants", {}), folder / DATA_FILE, "constants")
-    _check_keys(shared, tuple(c.name for c in model.constants), folder / DATA_FILE, "constants",
-                "a constant of the model")  # fmt: skip
+        raise input_error(folder / DATA_YAML_NAME, "trials", rows, "a list of {file: NAME.csv}")
+    shared = _numbers_by_name(settings.get("constants", {}), folder / DATA_YAML_NAME, "constants")
+    _check_keys(
+        shared,
+        tuple(c.name for c in model.constants),
+        folder / DATA_YAML_NAME,
+        "constants",
+        "a constant of the model",
+    )
     return [_read_trial(model, folder, row, columns, shared) for row in rows]
 
 
@@ -150,7 +155,7 @@ def _read_trial(
     model: Model, folder: Path, row: Any, columns: Mapping[str, tuple[str, float]],
     shared: Mapping[str, float],
 ) -> Trial:  # fmt: skip
-    settings = folder / DATA_FILE
+    settings = folder / DATA_YAML_NAME
     if not isinstance(row, dict) or "file" not in row:
         raise input_error(settings, "trials", row, "{file: NAME.csv}")
     _check_keys(row, TRIAL_KEYS, settings, "trials")

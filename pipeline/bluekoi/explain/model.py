@@ -17,7 +17,7 @@ from ..fitting import TrialEffect
 from ..integrate import Parameter, Stage
 
 Function = Callable[..., Any]
-CorrelationTime = tuple[float, float, float]
+CorrelationTimeStartAndBounds = tuple[float, float, float]
 """Start, shortest and longest correlation time, s."""
 CAUSE_KINDS = ("physics", "measurement")
 FORCE_STAGE, RATES_STAGE, OBSERVE_STAGE = "force", "rates", "observe"
@@ -140,8 +140,8 @@ class Model:
     inputs: Sequence[Input] = ()
     constants: Sequence[Constant] = ()
     pushed: tuple[str, ...] | None = None
-    random_force_s: CorrelationTime = (0.5, 0.02, 10.0)
-    error_s: CorrelationTime = (0.2, 0.01, 2.0)
+    random_force_s: CorrelationTimeStartAndBounds = (0.5, 0.02, 10.0)
+    error_s: CorrelationTimeStartAndBounds = (0.2, 0.01, 2.0)
     per_group: tuple[str, ...] = ()
     varies: Sequence[TrialEffect] = ()
     path: tuple[str, ...] = ()

@@ -33,7 +33,7 @@ def fitted_numbers(kernel: CompiledSystem, model: FittedCauseSet) -> list[Fitted
         std = _standard_deviations(model, move)  # else NaN, and `undetermined_sentences`
     out = []
     for free, value, s in zip(model.fit.free, model.fit.values, std, strict=True):
-        p = kernel.system.parameters[kernel.system.slot[free.name]]
+        p = kernel.system.parameters[kernel.system.parameter_index[free.name]]
         bound = "lower" if value <= p.lower else "upper" if value >= p.upper else ""
         out.append(FittedNumber(free.label, float(value), float(s), p.unit, bound))
     return out

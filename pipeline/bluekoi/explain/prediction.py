@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..engine.naming import UNLISTED_FORCE_LABEL
+from ..engine.cause_selection import UNLISTED_FORCE_LABEL
 from ..fitting import Noise, TrialSeries, filter_series, free_runs
-from ..fitting.filtering import values_with_noise_switched_on
+from ..fitting.filtering import parameters_with_random_effects_on
 from ..integrate import CompiledSystem
 from ..integrate.batch import repeat_over_lanes, simulate_batch
 from .cause_search import CauseSearchResult, series_of_further_trials
@@ -73,7 +73,7 @@ def predict(
     series = series_of_further_trials(found.prepared, validated_trials(model, trials))
     site = tuple(c for c in found.extended.model.causes
                  if c in model.by_name and model.by_name[c].site)  # fmt: skip
-    models = {"baseline": found.baseline, "extended": without_site_causes(found, site)}
+    models = {"baseline": found.baseline, "extended": without_site_specific_causes(found, site)}
     runs = {(name, start): _simulate_trials(found, one, series, known)
             for name, one in models.items()
             for start, known in ((START_FITTED, np.inf), (START_ESTIMATED, known_s))}  # fmt: skip
@@ -85,14 +85,14 @@ def predict(
             "recordings, and predictions with them may be worse than the baseline's."
         )
     messages += [*_unfitted_group_sentences(found, series), *runaway_sentences(runs)]
-    measured = [_measures_of_path(model, s, s.seen) for s in series]
+    measured = [_measures_of_observations(model, s, s.seen) for s in series]
     return PredictedTrials(runs, measured, known_s, site, tuple(messages))
 
 
-def without_site_causes(found: CauseSearchResult, site: Sequence[str]) -> CriterionFit:
+def without_site_specific_causes(found: CauseSearchResult, site: Sequence[str]) -> CriterionFit:
     """The extended model with the strengths of site-specific causes at 0."""
     one = found.extended
-    off = {f.label for c in site for f in found.prepared.problem.by_name[c].strengths}
+    off = {f.label for c in site for f in found.prepared.problem.candidate_by_name[c].strengths}
     values = np.array([0.0 if f.label in off else v
                        for f, v in zip(one.fit.free, one.fit.values, strict=True)])  # fmt: skip
     return replace(one, fit=replace(one.fit, values=values))
@@ -122,7 +122,7 @@ def predict_left_out(
                 every = runs.setdefault((name, start), {})
                 every |= {r.trial: r for r in _simulate_trials(found, again, own, known)}
     ordered = {key: [rows[s.name] for s in series] for key, rows in runs.items()}
-    measured = [_measures_of_path(model, s, s.seen) for s in series]
+    measured = [_measures_of_observations(model, s, s.seen) for s in series]
     return PredictedTrials(ordered, measured, known_s, (), tuple(runaway_sentences(ordered)))
 
 
@@ -150,9 +150,11 @@ def _simulate_trials(
     found: CauseSearchResult, one: CriterionFit, series: Sequence[TrialSeries], known_s: float
 ) -> list[FreeSimulation]:
     problem, model = found.prepared.problem, found.model
-    values = one.values(problem, series)
+    values = one.parameter_vectors(problem, series)
     if np.isfinite(known_s):  # the filter goes with the fit by its prediction errors
-        values = CriterionFit(one.model, one.model.fit, PREDICTION_ERRORS).values(problem, series)
+        values = CriterionFit(one.model, one.model.fit, PREDICTION_ERRORS).parameter_vectors(
+            problem, series
+        )
         observed = [forecast(problem.kernel, s, v, one.model.noise, known_s)
                     for s, v in zip(series, values, strict=True)]  # fmt: skip
     else:
@@ -165,7 +167,9 @@ def _simulate_trials(
         )
         errors = rms_errors(model, [(y - s.seen)[later]])
         out.append(
-            FreeSimulation(s.name, s.times, y, s.seen, errors, _measures_of_path(model, s, y))
+            FreeSimulation(
+                s.name, s.times, y, s.seen, errors, _measures_of_observations(model, s, y)
+            )
         )
     return out
 
@@ -187,7 +191,7 @@ def forecast(
     known = in_first_seconds(one, known_s)
     beginning = replace(one, seen=np.where(known[:, None], one.seen, np.nan))
     states = filter_series(kernel, beginning, values, noise).predicted
-    count, full = len(one.times), values_with_noise_switched_on(kernel, values, noise)
+    count, full = len(one.times), parameters_with_random_effects_on(kernel, values, noise)
     rows = (states, np.tile(full, (count, 1)), np.tile(one.constants, (count, 1)))
     lanes = [repeat_over_lanes(row) for row in rows]
     observed, _ = simulate_batch(
@@ -196,7 +200,9 @@ def forecast(
     return observed[:, 0, :, 0]
 
 
-def _measures_of_path(model: Model, series: TrialSeries, observed: Float) -> dict[str, float]:
+def _measures_of_observations(
+    model: Model, series: TrialSeries, observed: Float
+) -> dict[str, float]:
     if model.measures is None:
         return {}
     known = np.isfinite(observed).all(axis=1)

@@ -9,11 +9,11 @@ from functools import partial
 import numpy as np
 
 from ..data import Float
-from ..engine import CauseSearchProblem, candidates_by_effect_name
+from ..engine import CauseSearchProblem, candidates_from_effects
 from ..engine.candidates import RESIDUAL_EFFECT_KIND
 from ..errors import InputError
 from ..fitting import FreeParameter, Noise, TrialSeries, filter_all, trial_parameter_vector
-from ..fitting.filtering import disturbance_slots
+from ..fitting.filtering import random_state_indices
 from ..integrate import CompiledSystem, compile_system
 from .diagnosis import divergence_error
 from .model import Model
@@ -73,10 +73,10 @@ def prepare_cause_search(
         warnings.append(f"{one} {len(trials)} stretches that serve as trials; what differs from "
                         "one recording to another cannot be judged.")  # fmt: skip
     scales = variable_scales(model, trials)
-    rate = fit_rate_hz(model, trials)
-    model = with_correlation_over_a_frame(model, max(1.0 / rate, median_interval_s(trials)))
+    rate = fit_sampling_rate_hz(model, trials)
+    model = with_correlation_times_above_frame(model, max(1.0 / rate, median_interval_s(trials)))
     assembly = assemble_system(model, hold=not np.isfinite(rate))
-    base, free = assembly.system.values({}), free_coefficients(model, trials)
+    base, free = assembly.system.parameter_vector({}), free_coefficients(model, trials)
     series = series_of_trials(model, assembly, trials, scales, rate)
     step = longest_step_at_start_s(compile_system(assembly.system), series, base)
     assembly = assemble_system(model, step_s=step, hold=not np.isfinite(rate))
@@ -94,7 +94,7 @@ def prepare_cause_search(
     named = [*names, *([RESIDUAL_EFFECT_KIND] if assembly.residual_sources else [])]
     problem = CauseSearchProblem(
         kernel=kernel, series=tuple(series), base=base, coefficients=free,
-        candidates=candidates_by_effect_name(assembly.system, named, assembly.priors,
+        candidates=candidates_from_effects(assembly.system, named, assembly.priors,
                                  assembly.residual_sources),
         noise=replace(noise, trial_effects=tuple(model.varies)), progress=progress,
         most_causes=MAX_CAUSES_PER_SET,
@@ -104,7 +104,7 @@ def prepare_cause_search(
     )
 
 
-def with_correlation_over_a_frame(model: Model, frame_s: float) -> Model:
+def with_correlation_times_above_frame(model: Model, frame_s: float) -> Model:
     """The model whose random parts stay correlated over a frame or longer: those that forget
     faster are white noise, and no integration step from frame to frame follows them.
     """
@@ -164,7 +164,7 @@ def _mean_slopes(times: Float, values: Float) -> Float:
     return np.diff(np.interp(grid, times[known], values[known])) / np.diff(grid)
 
 
-def fit_rate_hz(model: Model, trials: Sequence[Trial]) -> float:
+def fit_sampling_rate_hz(model: Model, trials: Sequence[Trial]) -> float:
     """Rate at which all trials together have `MAX_SAMPLES` samples, or the model's own; infinite
     where they have fewer, and where blocks would hold fewer samples than an average needs.
     """
@@ -195,7 +195,7 @@ def initial_noise(
     pushed = len(forces[0].states) if forces else 0
     every = [e for e in kernel.system.effects if e.kind == "disturbance"]
     tau = np.array([p.start for e in every for p in e.parameters[1:]])
-    slots = disturbance_slots(kernel)
+    slots = random_state_indices(kernel)
     std = stated_std(series)
     points = [trial_parameter_vector(kernel, base, (), np.zeros(0), s.group) for s in series]
 
@@ -231,7 +231,7 @@ def fastest_dynamics_rate_per_s(
         effect = system.effect(name)
         own = base.copy()
         for p in effect.parameters[: effect.strengths]:
-            own[system.slot[f"{name}.{p.name}"]] = p.typical
+            own[system.parameter_index[f"{name}.{p.name}"]] = p.typical_magnitude
         fast = max(fast, float(fastest_rates_per_s(kernel, passes, [own] * len(series)).max()))
     return fast
 

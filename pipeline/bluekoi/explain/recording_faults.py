@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 MAX_UNREPORTED_GAP_INTERVALS = 20.0
 """A longer pause than this many usual sampling intervals is reported."""
-MIN_USUAL_STEP_SHARE = 0.1
+MIN_MEDIAN_OVER_MEAN_INTERVAL = 0.1
 """Median over mean sampling interval below which the times of a recording come in groups."""
 MIN_SPIKE_DISTANCE_RANGES, MIN_SPIKE_SAMPLES = 10.0, 20
 """A single sample that lies further from both its neighbours than so many times the range of all
@@ -30,7 +30,7 @@ def median_interval_s(trials: Sequence[Trial]) -> float:
 def has_grouped_sampling(times: Float) -> bool:
     """Whether most samples (n,) of a recording are far closer than they are on average."""
     steps = np.diff(times)
-    return bool(np.median(steps) < MIN_USUAL_STEP_SHARE * steps.mean())
+    return bool(np.median(steps) < MIN_MEDIAN_OVER_MEAN_INTERVAL * steps.mean())
 
 
 def samples_after_gaps(times: Float) -> np.ndarray:

@@ -57,7 +57,7 @@ def unusual_recording_warnings(model: Model, trials: Sequence[Trial]) -> list[st
             if np.ptp(known) == 0:
                 still.append(f"{t.name}: {name} does not change.")
             stuck += [f"{t.name}: {text}" for text in stuck_sensor_warnings(name, t.times, column)]
-    out = [text for kind in (pauses, still, stuck) for text in _first_of(kind)]
+    out = [text for kind in (pauses, still, stuck) for text in _first_warnings_and_count(kind)]
     for i in model.inputs:
         columns = [t.inputs[i.name] for t in trials]
         changed = np.concatenate([np.diff(c) for c in columns])
@@ -95,7 +95,7 @@ def _is_stepwise(changes: Float) -> bool:
     return bool(moving.any() and moving.mean() < 0.2 and (moving & beside).sum() < moving.sum() / 2)
 
 
-def _first_of(sentences: Sequence[str]) -> list[str]:
+def _first_warnings_and_count(sentences: Sequence[str]) -> list[str]:
     """The first sentences of one kind, and how many more there are."""
     more = len(sentences) - MAX_SENTENCES_OF_A_KIND
     if more <= 0:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..engine import NamedCause
-from ..engine.naming import UNLISTED_FORCE_LABEL
+from ..engine.cause_selection import UNLISTED_FORCE_LABEL
 from ..fitting import MAX_OVERDISPERSION
 from .cause_search import CauseSearchResult
 from .estimated_noise import estimated_errors, estimated_random_forces
@@ -41,8 +41,8 @@ def explanation_json(found: CauseSearchResult) -> dict[str, Any]:
             "extended_fitted_to": held.fitted_to[1],
             "stretch_s": held.stretch_s,
         },
-        "coefficients": {"baseline": _numbers_json(found.baseline_numbers),
-                         "extended": _numbers_json(found.numbers)},
+        "coefficients": {"baseline": _fitted_parameters_json(found.baseline_numbers),
+                         "extended": _fitted_parameters_json(found.numbers)},
         "noise": {"observations": [asdict(e) for e in estimated_errors(found)],
                   "random_forces": [asdict(f) for f in estimated_random_forces(found)]},
         "residual_terms": residual_term_probabilities(found),
@@ -50,10 +50,10 @@ def explanation_json(found: CauseSearchResult) -> dict[str, Any]:
         "fit": {"rate_hz": _finite_or_none(found.prepared.rate_hz), "step_s": found.prepared.step_s,
                 "trials": [s.name for s in found.prepared.series],
                 "samples": sum(len(s.times) for s in found.prepared.series)},
-        "sets": _sets_json(found),
+        "sets": _cause_sets_json(found),
         "compared": [
             {"causes": list(c.causes), "log_posterior": _finite_or_none(c.log_posterior),
-             "fitted_to": c.fitted_to, "numbers": _numbers_json(c.numbers),
+             "fitted_to": c.fitted_to, "numbers": _fitted_parameters_json(c.numbers),
              "errors": _finite_values(c.errors)}
             for c in found.compared
         ],
@@ -116,7 +116,7 @@ def _cause_json(found: CauseSearchResult, named: NamedCause) -> dict[str, Any]:
         "channels": list(effect.channels),
         "variables": list(effect.variables),
         "regime": cause.regime,
-        "parameters": {k.split(".", 1)[1]: v for k, v in _numbers_json(own).items()},
+        "parameters": {k.split(".", 1)[1]: v for k, v in _fitted_parameters_json(own).items()},
         "weight": named.probability,
         "credible_set": named.credible_set,
         "log_evidence_gain": _finite_or_none(found.gains[named.name]),
@@ -154,7 +154,7 @@ def residual_term_probabilities(found: CauseSearchResult) -> dict[str, float]:
     return dict(sorted(rest.items(), key=lambda x: -x[1]))
 
 
-def _sets_json(found: CauseSearchResult) -> list[dict[str, Any]]:
+def _cause_sets_json(found: CauseSearchResult) -> list[dict[str, Any]]:
     pairs = zip(found.posterior.probability, found.posterior.sets, strict=True)
     best = found.posterior.best.log_posterior
     return [
@@ -165,7 +165,7 @@ def _sets_json(found: CauseSearchResult) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def _numbers_json(given: Sequence[FittedNumber]) -> dict[str, dict[str, Any]]:
+def _fitted_parameters_json(given: Sequence[FittedNumber]) -> dict[str, dict[str, Any]]:
     return {
         n.label: {
             "value": n.value,

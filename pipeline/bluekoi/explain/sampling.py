@@ -52,17 +52,21 @@ def averaged_to_rate(series: TrialSeries, rate_hz: float, held: Sequence[bool]) 
     used = np.unique(block)
     parts = [np.flatnonzero(block == k) for k in used]
     times = np.array([series.times[p].mean() for p in parts])
-    rows = [_block_midpoint(series, p, t) for p, t in zip(parts, times, strict=True)]
+    rows = [
+        _observations_at_block_midpoint(series, p, t) for p, t in zip(parts, times, strict=True)
+    ]
     seen = np.array([y for y, _ in rows])
     noise = np.array([r for _, r in rows])
     inputs = np.zeros((len(times), series.inputs.shape[1]))
     for k, holds in enumerate(held):  # a held value stands for the middle of its interval
         at = series.times + 0.5 * step * holds
-        inputs[:, k] = piecewise_linear(at, series.inputs[:, k : k + 1], times)[:, 0]
+        inputs[:, k] = piecewise_linear_fit(at, series.inputs[:, k : k + 1], times)[:, 0]
     return replace(series, times=times, seen=seen, noise=noise, inputs=inputs)
 
 
-def _block_midpoint(series: TrialSeries, part: np.ndarray, time: float) -> tuple[Float, Float]:
+def _observations_at_block_midpoint(
+    series: TrialSeries, part: np.ndarray, time: float
+) -> tuple[Float, Float]:
     """Observations (o,) and their covariance (o, o) in the middle of a block."""
     count = series.seen.shape[1]
     seen, factor = np.full(count, np.nan), np.ones(count)
@@ -80,7 +84,7 @@ def _block_midpoint(series: TrialSeries, part: np.ndarray, time: float) -> tuple
     return seen, series.noise[part[0]] * np.outer(factor, factor)
 
 
-def piecewise_linear(times: Float, values: Float, nodes: Float) -> Float:
+def piecewise_linear_fit(times: Float, values: Float, nodes: Float) -> Float:
     """Values (nodes, columns) between which straight lines are closest to `values` (n, columns)."""
     left = np.clip(np.searchsorted(nodes, times, side="right") - 1, 0, len(nodes) - 2)
     right = np.clip((times - nodes[left]) / (nodes[left + 1] - nodes[left]), 0.0, 1.0)

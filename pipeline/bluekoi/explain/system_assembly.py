@@ -31,9 +31,9 @@ RANDOM_FORCE, COLOURED_ERROR = "random_force", "lasting_error"
 """Names of the effects that are present in every filter: random forces, lasting errors of the
 observations.
 """
-CONSTANT_VARIABLE = "constant"
+CONSTANT_TERM_VARIABLE = "constant"
 """Variable of a residual term that is constant."""
-STRENGTH_BOUND = 50.0
+RESIDUAL_STRENGTH_BOUND = 50.0
 """Bounds of a residual term's strength, in units of the typical force."""
 
 
@@ -65,9 +65,12 @@ def assemble_system(
     """
     terms = residual_terms(model)
     module = _generate_module(model, terms)
-    effects = [*_random_effects(model, module), *(_cause_effect(model, c) for c in model.causes)]
+    effects = [
+        *_random_force_and_error_effects(model, module),
+        *(_effect_from_cause(model, c) for c in model.causes),
+    ]
     if terms:
-        effects.append(_residual_effect(model, module, terms, force_scale or {}))
+        effects.append(_effect_from_residual_terms(model, module, terms, force_scale or {}))
     system = System(
         model.name,
         states=tuple(s.name for s in model.states),
@@ -108,7 +111,7 @@ def residual_terms(model: Model) -> list[ResidualTerm]:
               if o.angle and s.observed == o.name}  # fmt: skip
     out: list[ResidualTerm] = []
     for c in model.channels:
-        out.append(ResidualTerm(f"{c}_constant", c, CONSTANT_VARIABLE, "{k}"))
+        out.append(ResidualTerm(f"{c}_constant", c, CONSTANT_TERM_VARIABLE, "{k}"))
         for v in residual_term_variables(model):
             q = f"({v} / scale_{v})"
             if v in angles:
@@ -119,24 +122,28 @@ def residual_terms(model: Model) -> list[ResidualTerm]:
                 ResidualTerm(f"{c}_{v}_{kind}", c, v, "{k} * " + text)
                 for kind, text in forms.items()
             ]
-    return [t for t in out if not any(_has_same_force(model, cause, t) for cause in model.causes)]
+    return [
+        t
+        for t in out
+        if not any(_cause_equals_residual_term(model, cause, t) for cause in model.causes)
+    ]
 
 
-SAME_FORCE_PROBE_COUNT = 5
+EQUALITY_PROBE_COUNT = 5
 """States, drawn at random, at which it is asked which outputs a cause changes."""
 
 
-def _has_same_force(model: Model, cause: Cause, term: ResidualTerm) -> bool:
+def _cause_equals_residual_term(model: Model, cause: Cause, term: ResidualTerm) -> bool:
     """Whether a named cause is the force of a residual term, which then has a name."""
     stage = model.force
     if stage is None or set(cause.hooks) != {stage.name} or cause.strengths != 1 or cause.rates:
         return False
-    strength, function = cause.parameters[0].argument, cause.hooks[stage.name]
+    strength, function = cause.parameters[0].argument_name, cause.hooks[stage.name]
     names = names_of_arguments(function)
     if not set(names) <= {strength, term.variable} or len(cause.parameters) > 1:
         return False
     rng, ratios = np.random.default_rng(1), []
-    for q in rng.uniform(0.5, 2.0, SAME_FORCE_PROBE_COUNT) * np.array([1, -1, 1, -1, 1]):
+    for q in rng.uniform(0.5, 2.0, EQUALITY_PROBE_COUNT) * np.array([1, -1, 1, -1, 1]):
         given = {strength: 1.0, term.variable: float(q)}
         force = np.array(function(*(given[n] for n in names)), dtype=float)
         expected = _residual_term_value(term, float(q))
@@ -164,7 +171,7 @@ def _generate_module(model: Model, terms: list[ResidualTerm]) -> ModuleType:
     errors = [f"e_{o.name}" for o in model.observations]
     lines += _ornstein_uhlenbeck_source(COLOURED_ERROR, errors, errors)
     if terms and model.force is not None:
-        lines += _residual_source(model, terms)
+        lines += _residual_terms_source(model, terms)
     text = "\n".join(lines) + "\n"
     name = f"bluekoi_terms_{model.name}_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
     path = kernel_folder() / f"{name}.py"
@@ -185,7 +192,7 @@ def _ornstein_uhlenbeck_source(name: str, states: list[str], outputs: list[str])
             "", ""]  # fmt: skip
 
 
-def _residual_source(model: Model, terms: list[ResidualTerm]) -> list[str]:
+def _residual_terms_source(model: Model, terms: list[ResidualTerm]) -> list[str]:
     stage = model.force
     assert stage is not None
     variables = residual_term_variables(model)
@@ -204,7 +211,7 @@ def _residual_source(model: Model, terms: list[ResidualTerm]) -> list[str]:
     return [f"def residual({', '.join(given)}):", *turned, f"    return ({', '.join(sums)},)"]
 
 
-def _random_effects(model: Model, module: ModuleType) -> list[Effect]:
+def _random_force_and_error_effects(model: Model, module: ModuleType) -> list[Effect]:
     """Random forces and lasting errors."""
     out = []
     stage = model.force
@@ -223,7 +230,7 @@ def _random_effects(model: Model, module: ModuleType) -> list[Effect]:
     return out
 
 
-def _cause_effect(model: Model, cause: Cause) -> Effect:
+def _effect_from_cause(model: Model, cause: Cause) -> Effect:
     first = next(iter(cause.hooks.values()))
     return Effect(
         cause.name,
@@ -242,13 +249,18 @@ def _cause_effect(model: Model, cause: Cause) -> Effect:
     )
 
 
-def _residual_effect(
+def _effect_from_residual_terms(
     model: Model, module: ModuleType, terms: list[ResidualTerm], force_scale: Mapping[str, float]
 ) -> Effect:
     def strength(t: ResidualTerm) -> Parameter:
         size = force_scale.get(t.channel, 1.0)
         return Parameter(
-            t.name, "", size, -STRENGTH_BOUND * size, STRENGTH_BOUND * size, t.variable
+            t.name,
+            "",
+            size,
+            -RESIDUAL_STRENGTH_BOUND * size,
+            RESIDUAL_STRENGTH_BOUND * size,
+            t.variable,
         )
 
     assert model.force is not None

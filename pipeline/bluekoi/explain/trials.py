@@ -20,8 +20,8 @@ from .system_assembly import AssembledSystem, scale_constant_names
 FIT_ROLE, HELD_OUT_ROLE, MIN_SAMPLES = "fit", "held_out", 3
 MIN_SAMPLES_BETWEEN_GAPS = 8
 """Samples of a part between gaps from which its initial state can be estimated."""
-MAX_VALUE = 1e12
-MIN_JUMP_IN_DEGREES = 300.0
+MAX_RECORDED_MAGNITUDE = 1e12
+MIN_DEGREE_WRAP_JUMP = 300.0
 """An angle in rad that jumps by more is one in degrees."""
 
 
@@ -87,18 +87,29 @@ def _trial_findings(model: Model, trial: Trial) -> list[InputIssue]:
         out.append(InputIssue(file, f"time, sample {row}",
                               f"{times[row]:g} s after {times[row - 1]:g} s", "increasing times",
                               "Sort the rows and remove repeated ones."))  # fmt: skip
-    out += _name_findings(file, "input", trial.inputs, [i.name for i in model.inputs])
-    out += _name_findings(file, "observation", trial.observed, [o.name for o in model.observations])
+    out += _missing_or_unknown_name_issues(
+        file, "input", trial.inputs, [i.name for i in model.inputs]
+    )
+    out += _missing_or_unknown_name_issues(
+        file, "observation", trial.observed, [o.name for o in model.observations]
+    )
     required = [c.name for c in model.constants if not np.isfinite(c.value)]
     states = [s.name for s in model.states]
-    out += _name_findings(file, "start", trial.start, states, [])
-    out += _name_findings(file, "constant", trial.constants, [c.name for c in model.constants],
-                          required)  # fmt: skip
+    out += _missing_or_unknown_name_issues(file, "start", trial.start, states, [])
+    out += _missing_or_unknown_name_issues(
+        file, "constant", trial.constants, [c.name for c in model.constants], required
+    )
     for name, column in [*trial.inputs.items(), *trial.observed.items()]:
         out += _column_findings(file, name, np.asarray(column, dtype=float), len(times),
                                 missing=name in trial.observed)  # fmt: skip
-    out += [f for o in model.observations if o.angle and not out
-            for f in _degree_jumps(file, o.name, np.asarray(trial.observed[o.name]))]  # fmt: skip
+    out += [
+        f
+        for o in model.observations
+        if o.angle and not out
+        for f in _degrees_instead_of_radians_issues(
+            file, o.name, np.asarray(trial.observed[o.name])
+        )
+    ]
     out += [InputIssue(file, f"constant {n}", f"{v}", "a finite number")
             for n, v in trial.constants.items() if not np.isfinite(v)]  # fmt: skip
     if trial.role not in (FIT_ROLE, HELD_OUT_ROLE):
@@ -112,10 +123,10 @@ def _trial_findings(model: Model, trial: Trial) -> list[InputIssue]:
     return out
 
 
-def _degree_jumps(file: str, name: str, column: Float) -> list[InputIssue]:
+def _degrees_instead_of_radians_issues(file: str, name: str, column: Float) -> list[InputIssue]:
     """An angle that jumps by a turn of degrees."""
     jumps = np.abs(np.diff(column))
-    if not np.any(jumps > MIN_JUMP_IN_DEGREES):
+    if not np.any(jumps > MIN_DEGREE_WRAP_JUMP):
         return []
     row = int(np.nanargmax(jumps)) + 1
     return [InputIssue(file, f"{name}, sample {row}", f"a jump by {jumps[row - 1]:.0f} rad",
@@ -123,7 +134,7 @@ def _degree_jumps(file: str, name: str, column: Float) -> list[InputIssue]:
                        "If the column is in degrees, say unit: deg.")]  # fmt: skip
 
 
-def _name_findings(
+def _missing_or_unknown_name_issues(
     file: str, what: str, given: Mapping[str, object], known: Sequence[str],
     required: Sequence[str] | None = None,
 ) -> list[InputIssue]:  # fmt: skip
@@ -141,7 +152,7 @@ def _column_findings(
 ) -> list[InputIssue]:
     if column.shape != (count,):
         return [InputIssue(file, name, f"shape {column.shape}", f"({count},), as times")]
-    bad = np.isinf(column) | (np.abs(column) > MAX_VALUE)
+    bad = np.isinf(column) | (np.abs(column) > MAX_RECORDED_MAGNITUDE)
     if not missing:
         bad |= np.isnan(column)
     if bad.any():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 from ..errors import InputIssue
-from ..integrate.rows import names_of_integration
+from ..integrate.row_layout import reserved_integrator_names
 from .model import OBSERVE_STAGE, RATES_STAGE, Model
 
 
@@ -16,7 +16,7 @@ def check_unique_names(model: Model) -> list[InputIssue]:
         o for s in model.stages if s.name not in (RATES_STAGE, OBSERVE_STAGE) for o in s.outputs
     ]
     own = [s for c in model.causes for s in c.states]
-    used = names_of_integration(
+    used = reserved_integrator_names(
         [*(s.name for s in model.states), *own], [o.name for o in model.observations]
     )
     found = []

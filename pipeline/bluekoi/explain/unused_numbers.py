@@ -19,7 +19,7 @@ def check_unused_numbers(model: Model) -> list[InputIssue]:
            for c in model.causes}  # fmt: skip
     every = [*stages, *(f for functions in own.values() for f in functions)]
     named = [(f"coefficient {p.name}", p.name, every) for p in model.coefficients]
-    named += [(f"cause {c.name}: {p.name}", p.argument, own[c.name])
+    named += [(f"cause {c.name}: {p.name}", p.argument_name, own[c.name])
               for c in model.causes for p in c.parameters]  # fmt: skip
     return [
         InputIssue(f"model '{model.name}'", where, "a number that no equation computes with",

@@ -23,7 +23,7 @@ from matplotlib.figure import Figure
 
 from ..errors import did_you_mean, input_error
 from ..files import atomic_write, write_rows
-from .drawing.figure_data import Point, extract_points
+from .drawing.figure_data import DrawnPoint, extract_points
 from .drawing.style import RC_PARAMS, placeholder_figure
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def write_figure_files(
         metadata["Comment"] = reason
     with matplotlib.rc_context(RC_PARAMS):
         _save_figure(figure, Path(path_png), Path(path_pdf), metadata)
-    write_rows(Path(path_png).with_suffix(".csv"), [Point._fields, *extract_points(figure)])
+    write_rows(Path(path_png).with_suffix(".csv"), [DrawnPoint._fields, *extract_points(figure)])
 
 
 def _save_figure(

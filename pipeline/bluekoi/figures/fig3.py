@@ -12,8 +12,8 @@ from ..study import Trial
 from .drawing import groups
 from .drawing.circles import draw_turns, head_angle_with_most_lengths_deg
 from .drawing.groups import ConditionMean
-from .drawing.pool import draw_pool, draw_robots
-from .drawing.style import Z_95, Style, panel_letter, placeholder, power_styles
+from .drawing.pool import draw_pool, draw_robot_along_track
+from .drawing.style import Z_95, PowerStyle, panel_letter, placeholder, power_styles
 
 FIGURE_TITLE = "Straight speeds and turn radii"
 FIGURE_CAPTION = (
@@ -43,8 +43,8 @@ def render_figure(campaign: Campaign) -> Figure:
         "A",
         "straight run",
     )
-    _draw_speeds(figure, upper[1], campaign, styles)
-    _draw_average_speeds(figure.add_subplot(upper[2]), campaign, styles)
+    _draw_speed_over_time_panels(figure, upper[1], campaign, styles)
+    _draw_mean_speed_over_power(figure.add_subplot(upper[2]), campaign, styles)
     _draw_example_path(
         figure.add_subplot(left), campaign, groups.turning_trials(campaign), "D", "turn"
     )
@@ -66,7 +66,7 @@ def _draw_example_path(
     track = campaign.tracks[trial.trial_id]
     draw_pool(axes, campaign.study)
     axes.plot(track.x_m, track.y_m, color="#20262e", lw=1, zorder=6, gid=trial.trial_id)
-    draw_robots(axes, campaign.study.setup.robot, trial.head_length_m, track)
+    draw_robot_along_track(axes, campaign.study.setup.robot, trial.head_length_m, track)
     axes.set_title(f"{kind} {trial.trial_id}: {trial.power_pct:g} %, {trial.head_angle_deg:g}°")
     axes.text(0.06, 0.91, "robot: head orange, core grey", transform=axes.transAxes, va="top",
               fontsize=6.5, color="0.35")  # fmt: skip
@@ -77,8 +77,8 @@ def _path_length_m(campaign: Campaign, trial: Trial) -> float:
     return float(np.hypot(np.diff(track.x_m), np.diff(track.y_m)).sum())
 
 
-def _draw_speeds(
-    figure: Figure, place: SubplotSpec, campaign: Campaign, styles: dict[float, Style]
+def _draw_speed_over_time_panels(
+    figure: Figure, place: SubplotSpec, campaign: Campaign, styles: dict[float, PowerStyle]
 ) -> None:
     heads = groups.head_lengths(campaign)
     grid = place.subgridspec(len(heads), len(styles))
@@ -101,7 +101,7 @@ def _draw_speeds(
 
 
 def _draw_speed_panel(
-    axes: Axes, campaign: Campaign, condition: tuple[float, float], style: Style
+    axes: Axes, campaign: Campaign, condition: tuple[float, float], style: PowerStyle
 ) -> None:
     shown = [
         t for t in groups.straight_trials(campaign) if (t.power_pct, t.head_length_m) == condition
@@ -121,7 +121,9 @@ def _draw_speed_panel(
                           fontsize=7.5)  # fmt: skip
 
 
-def _draw_average_speeds(axes: Axes, campaign: Campaign, styles: dict[float, Style]) -> None:
+def _draw_mean_speed_over_power(
+    axes: Axes, campaign: Campaign, styles: dict[float, PowerStyle]
+) -> None:
     panel_letter(axes, "C")
     means = groups.speed_means(campaign)
     if not means:
@@ -146,7 +148,7 @@ def _draw_average_speeds(axes: Axes, campaign: Campaign, styles: dict[float, Sty
 
 
 def _draw_radius_over_angle(
-    circles: Axes, averages: Axes, campaign: Campaign, styles: dict[float, Style]
+    circles: Axes, averages: Axes, campaign: Campaign, styles: dict[float, PowerStyle]
 ) -> None:
     head = campaign.study.setup.robot.head_length_m
     mine = [t for t in groups.turning_trials(campaign) if abs(t.head_length_m - head) < 1e-6]
@@ -154,14 +156,16 @@ def _draw_radius_over_angle(
     draw_turns(circles, campaign, mine, styles, vary="angle")
     circles.set_title("1x head, by head angle")
     means = [m for m in groups.radius_means(campaign) if abs(m.head_length_m - head) < 1e-6]
-    _draw_averages(averages, means, styles, [mean.angle_deg for mean in means])
-    _draw_single_trials(averages, campaign, mine, styles, [abs(t.head_angle_deg) for t in mine])
+    _draw_mean_radii(averages, means, styles, [mean.angle_deg for mean in means])
+    _draw_single_trial_radii(
+        averages, campaign, mine, styles, [abs(t.head_angle_deg) for t in mine]
+    )
     averages.set_box_aspect(1)
     averages.set_xlabel("absolute head angle (°)")
 
 
 def _draw_radius_over_length(
-    circles: Axes, averages: Axes, campaign: Campaign, styles: dict[float, Style]
+    circles: Axes, averages: Axes, campaign: Campaign, styles: dict[float, PowerStyle]
 ) -> None:
     angle = head_angle_with_most_lengths_deg(campaign)
     mine = [t for t in groups.turning_trials(campaign) if abs(t.head_angle_deg) == angle]
@@ -169,14 +173,14 @@ def _draw_radius_over_length(
     draw_turns(circles, campaign, mine, styles, vary="length")
     circles.set_title(f"{angle:g}° head angle, by head length" if mine else "by head length")
     means = [m for m in groups.radius_means(campaign) if m.angle_deg == angle]
-    _draw_averages(averages, means, styles, [mean.head_length_m for mean in means])
-    _draw_single_trials(averages, campaign, mine, styles, [t.head_length_m for t in mine])
+    _draw_mean_radii(averages, means, styles, [mean.head_length_m for mean in means])
+    _draw_single_trial_radii(averages, campaign, mine, styles, [t.head_length_m for t in mine])
     averages.set_box_aspect(1)
     averages.set_xlabel("head length (m)")
 
 
-def _draw_averages(
-    axes: Axes, means: list[ConditionMean], styles: dict[float, Style], at: list[float]
+def _draw_mean_radii(
+    axes: Axes, means: list[ConditionMean], styles: dict[float, PowerStyle], at: list[float]
 ) -> None:
     if not means:
         placeholder(axes, "no steady turn")
@@ -194,8 +198,12 @@ def _draw_averages(
     axes.set(ylabel="turn radius (m)", ylim=(0, 1.12 * axes.get_ylim()[1]))
 
 
-def _draw_single_trials(
-    axes: Axes, campaign: Campaign, trials: list[Trial], styles: dict[float, Style], at: list[float]
+def _draw_single_trial_radii(
+    axes: Axes,
+    campaign: Campaign,
+    trials: list[Trial],
+    styles: dict[float, PowerStyle],
+    at: list[float],
 ) -> None:
     for x, trial in zip(at, trials, strict=True):
         radius_m = campaign.steady[trial.trial_id].radius_m

@@ -24,7 +24,11 @@ FIGURE_CAPTION = (
     "minus measured radius). Step 3: prediction for the longer head, which no step was tuned to."
 )
 REQUIRED_RESULTS = ("tracks", "steady", "coefficients")
-STEP_TITLES = ("step 1: straight speed", "step 2: turns, 1x head", "step 3: longer head, predicted")
+TUNING_STEP_TITLES = (
+    "step 1: straight speed",
+    "step 2: turns, 1x head",
+    "step 3: longer head, predicted",
+)
 
 
 def render_figure(campaign: Campaign) -> Figure:
@@ -34,10 +38,14 @@ def render_figure(campaign: Campaign) -> Figure:
     panels = figure.subplots(len(powers), 3, squeeze=False)
     for row, (power, axes) in enumerate(zip(powers, panels, strict=True)):
         panel_letter(axes[0], "ABCDEFGHIJKLMNOPQRSTUVWXYZ"[row % 26])
-        _draw_straight_step(axes[0], campaign, power, known.get(power))
-        _draw_turn_step(axes[1], campaign, _standard_head_turns(campaign, power), known.get(power))
-        _draw_turn_step(axes[2], campaign, _longer_head_turns(campaign, power), known.get(power))
-        for axis, step in zip(axes, STEP_TITLES, strict=True):
+        _draw_straight_tuning_step(axes[0], campaign, power, known.get(power))
+        _draw_turn_tuning_step(
+            axes[1], campaign, _standard_head_turns(campaign, power), known.get(power)
+        )
+        _draw_turn_tuning_step(
+            axes[2], campaign, _longer_head_turns(campaign, power), known.get(power)
+        )
+        for axis, step in zip(axes, TUNING_STEP_TITLES, strict=True):
             axis.set_title(f"{power:g} %, {step}")
     lines = [
         Line2D([], [], color=MEASURED_COLOUR, label="data"),
@@ -47,21 +55,27 @@ def render_figure(campaign: Campaign) -> Figure:
     return figure
 
 
-def _trials_at_power(campaign: Campaign, power: float) -> list[Trial]:
+def _turning_trials_at_power(campaign: Campaign, power: float) -> list[Trial]:
     return [trial for trial in groups.turning_trials(campaign) if trial.power_pct == power]
 
 
 def _standard_head_turns(campaign: Campaign, power: float) -> list[Trial]:
-    return [t for t in _trials_at_power(campaign, power) if groups.has_standard_head(campaign, t)]
+    return [
+        t
+        for t in _turning_trials_at_power(campaign, power)
+        if groups.has_standard_head(campaign, t)
+    ]
 
 
 def _longer_head_turns(campaign: Campaign, power: float) -> list[Trial]:
     return [
-        t for t in _trials_at_power(campaign, power) if not groups.has_standard_head(campaign, t)
+        t
+        for t in _turning_trials_at_power(campaign, power)
+        if not groups.has_standard_head(campaign, t)
     ]
 
 
-def _draw_straight_step(
+def _draw_straight_tuning_step(
     axes: Axes, campaign: Campaign, power: float, row: FitAtPower | None
 ) -> None:
     mine = [
@@ -84,7 +98,7 @@ def _draw_straight_step(
     axes.set(xlabel="time (s)", ylabel="speed (m/s)", ylim=(0, None))
 
 
-def _draw_turn_step(
+def _draw_turn_tuning_step(
     axes: Axes, campaign: Campaign, trials: list[Trial], row: FitAtPower | None
 ) -> None:
     if not trials:
@@ -108,7 +122,7 @@ def _draw_turn_step(
             + _draw_model_circle(axes, campaign, row, (angle, length, seen))
         )
     equal_axes(axes)
-    _add_labels(axes, labels)
+    _draw_radius_labels(axes, labels)
 
 
 def _draw_model_circle(
@@ -125,7 +139,7 @@ def _draw_model_circle(
     return f"\nsim. {found:.3f} m ({100 * (found / seen - 1):+.1f} %)"
 
 
-def _add_labels(axes: Axes, labels: Iterable[str]) -> None:
+def _draw_radius_labels(axes: Axes, labels: Iterable[str]) -> None:
     behind = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85}
     text = "\n".join(labels)
     axes.text(0, 0, text, ha="center", va="center", fontsize=6.5, bbox=behind, zorder=5)

@@ -16,14 +16,14 @@ from .drawing.circles import head_angle_with_most_lengths_deg
 from .drawing.groups import ConditionMean
 from .drawing.model_sweeps import (
     FitAtPower,
-    PredictionSweep,
+    PredictionWithBand,
+    fits_at_tested_and_extrapolated_powers,
     speed_from_rest,
     turn_radii_over_head_angle,
     turn_radii_over_head_length,
     turn_radius,
-    with_extrapolated_powers,
 )
-from .drawing.style import Style, panel_letter, placeholder, power_styles
+from .drawing.style import PowerStyle, panel_letter, placeholder, power_styles
 
 FIGURE_TITLE = "Model predictions beyond the tested conditions"
 FIGURE_CAPTION = (
@@ -35,17 +35,17 @@ FIGURE_CAPTION = (
     "Grey areas: untested head angles and lengths."
 )
 REQUIRED_RESULTS = ("tracks", "steady", "coefficients")
-ANGLES_DEG = np.arange(10.0, 61.0, 2.5)
-LENGTHS_M = np.arange(0.04, 0.2401, 0.01)
-TIMES_S = np.arange(151) / 30.0
+SIMULATED_HEAD_ANGLES_DEG = np.arange(10.0, 61.0, 2.5)
+SIMULATED_HEAD_LENGTHS_M = np.arange(0.04, 0.2401, 0.01)
+SIMULATED_TIMES_S = np.arange(151) / 30.0
 UNTESTED_COLOUR = "#e6eaed"
-MAX_SHOWN_OVER_MEASURED_RADIUS = 1.8
+MAX_SHOWN_TO_MEASURED_RADIUS_RATIO = 1.8
 """Radius at which panel C ends, over the largest one measured."""
 
 
 def render_figure(campaign: Campaign) -> Figure:
     """Panels A to C of the paper's Figure 6."""
-    rows = with_extrapolated_powers(campaign)
+    rows = fits_at_tested_and_extrapolated_powers(campaign)
     styles = _styles_by_power(campaign, rows)
     figure = Figure(figsize=(12, 4.3), layout="constrained")
     axes = figure.subplots(1, 3)
@@ -55,7 +55,7 @@ def render_figure(campaign: Campaign) -> Figure:
         for axis in axes:
             placeholder(axis, "no power has a full set of coefficients")
         return figure
-    _draw_speeds(axes[0], campaign, rows, styles)
+    _draw_simulated_speeds(axes[0], campaign, rows, styles)
     _draw_radius_over_angle(axes[1], campaign, rows, styles)
     _draw_radius_over_length(axes[2], campaign, rows, styles)
     handles = [*axes[0].get_legend_handles_labels()[0], *_legend_entries()]
@@ -72,7 +72,7 @@ def _legend_entries() -> list[Artist]:
     ]
 
 
-def _styles_by_power(campaign: Campaign, rows: dict[float, FitAtPower]) -> dict[float, Style]:
+def _styles_by_power(campaign: Campaign, rows: dict[float, FitAtPower]) -> dict[float, PowerStyle]:
     """Colours by power; tested powers as in the other figures."""
     tested = groups.motor_powers_pct(campaign)
     return power_styles([*tested, *(power for power in rows if power not in tested)])
@@ -81,10 +81,10 @@ def _styles_by_power(campaign: Campaign, rows: dict[float, FitAtPower]) -> dict[
 def _draw_prediction(
     axes: Axes,
     at: Float,
-    values: PredictionSweep,
+    values: PredictionWithBand,
     row: FitAtPower,
     *,
-    styles: dict[float, Style],
+    styles: dict[float, PowerStyle],
     label: str | None = None,
 ) -> None:
     """Prediction for one power with its 95 % band; dashed for untested powers."""
@@ -93,38 +93,48 @@ def _draw_prediction(
     axes.fill_between(at, values.low, values.high, color=colour, alpha=0.15, lw=0)
 
 
-def _draw_speeds(
-    axes: Axes, campaign: Campaign, rows: dict[float, FitAtPower], styles: dict[float, Style]
+def _draw_simulated_speeds(
+    axes: Axes, campaign: Campaign, rows: dict[float, FitAtPower], styles: dict[float, PowerStyle]
 ) -> None:
     for power, row in rows.items():
         name = f"{power:g} % ({row.flap_hz:.2f} Hz)" + ("" if row.tested else ", extrapolated")
-        _draw_prediction(axes, TIMES_S, speed_from_rest(campaign, row, TIMES_S), row,
-              styles=styles, label=name)  # fmt: skip
+        _draw_prediction(
+            axes,
+            SIMULATED_TIMES_S,
+            speed_from_rest(campaign, row, SIMULATED_TIMES_S),
+            row,
+            styles=styles,
+            label=name,
+        )
     axes.set(xlabel="time (s)", ylabel="straight speed (m/s)", xlim=(0, 5), ylim=(0, None))
     axes.set_title("straight, 1x head")
 
 
 def _draw_radius_over_angle(
-    axes: Axes, campaign: Campaign, rows: dict[float, FitAtPower], styles: dict[float, Style]
+    axes: Axes, campaign: Campaign, rows: dict[float, FitAtPower], styles: dict[float, PowerStyle]
 ) -> None:
     head = campaign.study.setup.robot.head_length_m
     for row in rows.values():
         _draw_prediction(
             axes,
-            ANGLES_DEG,
-            turn_radii_over_head_angle(campaign, row, head, ANGLES_DEG),
+            SIMULATED_HEAD_ANGLES_DEG,
+            turn_radii_over_head_angle(campaign, row, head, SIMULATED_HEAD_ANGLES_DEG),
             row,
             styles=styles,
         )
     seen = [m for m in groups.radius_means(campaign) if abs(m.head_length_m - head) < 1e-6]
     _draw_measured_means(axes, seen, [m.angle_deg for m in seen], styles)
-    _shade_untested(axes, [m.angle_deg for m in seen], (ANGLES_DEG[0], ANGLES_DEG[-1]))
+    _shade_untested(
+        axes,
+        [m.angle_deg for m in seen],
+        (SIMULATED_HEAD_ANGLES_DEG[0], SIMULATED_HEAD_ANGLES_DEG[-1]),
+    )
     axes.set(xlabel="absolute head angle (°)", ylabel="turn radius (m)")
     axes.set_title("turns, 1x head")
 
 
 def _draw_radius_over_length(
-    axes: Axes, campaign: Campaign, rows: dict[float, FitAtPower], styles: dict[float, Style]
+    axes: Axes, campaign: Campaign, rows: dict[float, FitAtPower], styles: dict[float, PowerStyle]
 ) -> None:
     angle = head_angle_with_most_lengths_deg(campaign)
     if not np.isfinite(angle):
@@ -133,26 +143,30 @@ def _draw_radius_over_length(
     for row in rows.values():
         _draw_prediction(
             axes,
-            LENGTHS_M,
-            turn_radii_over_head_length(campaign, row, LENGTHS_M, angle),
+            SIMULATED_HEAD_LENGTHS_M,
+            turn_radii_over_head_length(campaign, row, SIMULATED_HEAD_LENGTHS_M, angle),
             row,
             styles=styles,
         )
     seen = [m for m in groups.radius_means(campaign) if m.angle_deg == angle]
     _draw_measured_means(axes, seen, [m.head_length_m for m in seen], styles)
     _limit_to_measured_radii(axes, seen)
-    _shade_untested(axes, [m.head_length_m for m in seen], (LENGTHS_M[0], LENGTHS_M[-1]))
+    _shade_untested(
+        axes,
+        [m.head_length_m for m in seen],
+        (SIMULATED_HEAD_LENGTHS_M[0], SIMULATED_HEAD_LENGTHS_M[-1]),
+    )
     axes.set(xlabel="head length (m)", ylabel="turn radius (m)")
     axes.set_xticks(np.arange(0.04, 0.25, 0.04))
     axes.set_title(f"turns at {angle:g}° head angle")
     longest = max(m.head_length_m for m in seen)
     if longest > campaign.study.setup.robot.head_length_m + 1e-6:
         mine = [m for m in seen if m.head_length_m == longest]
-        _draw_inset(axes, campaign, mine, rows, styles)
+        _draw_radius_difference_inset(axes, campaign, mine, rows, styles)
 
 
 def _draw_measured_means(
-    axes: Axes, means: list[ConditionMean], at: list[float], styles: dict[float, Style]
+    axes: Axes, means: list[ConditionMean], at: list[float], styles: dict[float, PowerStyle]
 ) -> None:
     step = 0.012 * (axes.get_xlim()[1] - axes.get_xlim()[0])
     for x, mean in zip(at, means, strict=True):
@@ -165,7 +179,7 @@ def _limit_to_measured_radii(axes: Axes, seen: list[ConditionMean]) -> None:
     head becomes short.
     """
     if seen:
-        highest = MAX_SHOWN_OVER_MEASURED_RADIUS * max(m.value + m.std for m in seen)
+        highest = MAX_SHOWN_TO_MEASURED_RADIUS_RATIO * max(m.value + m.std for m in seen)
         axes.set_ylim(top=min(axes.get_ylim()[1], highest))
 
 
@@ -179,12 +193,12 @@ def _shade_untested(axes: Axes, tested: list[float], span: tuple[float, float]) 
     axes.set_ylim(bottom=0)
 
 
-def _draw_inset(
+def _draw_radius_difference_inset(
     axes: Axes,
     campaign: Campaign,
     means: list[ConditionMean],
     rows: dict[float, FitAtPower],
-    styles: dict[float, Style],
+    styles: dict[float, PowerStyle],
 ) -> None:
     inner = axes.inset_axes((0.58, 0.58, 0.4, 0.34))
     shown = [m for m in means if m.power_pct in rows]

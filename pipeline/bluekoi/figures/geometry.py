@@ -28,14 +28,14 @@ FIGURE_CAPTION = (
     "(0.05 %, for the whole length about 0.4 %) and are ignored, however many frames agree."
 )
 REQUIRED_RESULTS = ("geometry",)
-MAX_ERRORS_SHOWN = 9
+MAX_ERROR_SOURCES_SHOWN = 9
 """Possible errors of the geometry that are drawn, at most."""
-DETECTABLE_COLOUR = "#56B4E9"
-SMALLEST_SHOWN_PCT = 0.01
+DETECTABLE_ERROR_SOURCE_COLOUR = "#56B4E9"
+SMALLEST_PRINTED_STD_ERROR_PCT = 0.01
 """Smallest standard deviation that is printed as a number, %."""
 MIN_COLOUR_LIMIT_PCT = 0.05
 """Smallest colour limit of the maps, %: the accuracy of the detector."""
-AXIS_HEADROOM = 6.0
+LOG_AXIS_HEADROOM_FACTOR = 6.0
 """Space right of the longest bar, a factor on the logarithmic axis."""
 
 
@@ -60,7 +60,7 @@ def render_figure(campaign: Campaign) -> Figure:
     middle.set_title(
         "no error detected"
         if likely == "nothing"
-        else f"likeliest source: {_readable_name(likely)}"
+        else f"likeliest source: {_error_source_label(likely)}"
     )
     _draw_error_sources(right, found["estimates"])
     figure.suptitle(_check_summary(found), fontsize=8.5, color="#5b6570")
@@ -69,12 +69,12 @@ def render_figure(campaign: Campaign) -> Figure:
 
 def _check_summary(found: Mapping[str, Any]) -> str:
     """Result of the check, and the source of the keypoint depth."""
-    source = "from study.yaml" if found.get("depth_given", True) else _source_of_depth(found)
+    source = "from study.yaml" if found.get("depth_given", True) else _keypoint_depth_source(found)
     sentence = textwrap.fill(str(found["sentence"]), 150)
     return f"{sentence}; keypoint depth {1000 * found['depth_m']:.0f} mm, {source}"
 
 
-def _source_of_depth(found: Mapping[str, Any]) -> str:
+def _keypoint_depth_source(found: Mapping[str, Any]) -> str:
     """How a keypoint depth that study.yaml does not give was found; see study/keypoint_depth.py."""
     estimate, std = found.get("depth_estimate_m"), found.get("depth_estimate_std_m")
     if estimate is None or std is None:
@@ -121,33 +121,44 @@ def _mark_standard_errors(axes: Axes, grid: dict[str, Float], span: float) -> No
     x, y = (0.5 * (grid[key][1:] + grid[key][:-1]) for key in ("x_edges_m", "y_edges_m"))
     for row, column in zip(*np.nonzero(grid["count"] > 0), strict=True):
         std = 100 * grid["std"][row, column]
-        text = f"±{std:.2f}" if std >= SMALLEST_SHOWN_PCT else f"<{SMALLEST_SHOWN_PCT}"
+        text = (
+            f"±{std:.2f}"
+            if std >= SMALLEST_PRINTED_STD_ERROR_PCT
+            else f"<{SMALLEST_PRINTED_STD_ERROR_PCT}"
+        )
         dark = abs(100 * grid["excess"][row, column]) > 0.4 * span
         axes.text(x[column], y[row], text, ha="center", va="center", fontsize=5.5,
                   color="white" if dark else "#5b6570")  # fmt: skip
 
 
 def _draw_error_sources(axes: Axes, estimates: list[dict[str, Any]]) -> None:
-    best = estimates[:MAX_ERRORS_SHOWN][::-1]
+    best = estimates[:MAX_ERROR_SOURCES_SHOWN][::-1]
     gains = [max(float(one["gain"] or 0.0), 1.0) for one in best]
-    names = [_readable_name(one["name"]) + _parameter_list_text(one["parameters"]) for one in best]
-    fills = [DETECTABLE_COLOUR if one["detectable"] else "white" for one in best]
+    names = [
+        _error_source_label(one["name"]) + _parameter_list_text(one["parameters"]) for one in best
+    ]
+    fills = [DETECTABLE_ERROR_SOURCE_COLOUR if one["detectable"] else "white" for one in best]
     axes.barh(
-        range(len(best)), gains, left=1.0, color=fills, edgecolor=DETECTABLE_COLOUR, height=0.6
+        range(len(best)),
+        gains,
+        left=1.0,
+        color=fills,
+        edgecolor=DETECTABLE_ERROR_SOURCE_COLOUR,
+        height=0.6,
     )
     for place, (one, gain) in enumerate(zip(best, gains, strict=True)):
         axes.annotate(f"{100 * one['share']:.2g} %", (1.0 + gain, place), xytext=(3, 0),
                       textcoords="offset points", va="center", fontsize=6.5)  # fmt: skip
     axes.set_yticks(range(len(best)), names, fontsize=7)
     axes.set_xscale("log")
-    axes.set_xlim(1, AXIS_HEADROOM * max(10.0, *gains))
+    axes.set_xlim(1, LOG_AXIS_HEADROOM_FACTOR * max(10.0, *gains))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("reduction in chi-squared\n(at the bars: rms length change)")
 
 
 def _parameter_list_text(parameters: Sequence[str]) -> str:
-    return f": {', '.join(map(_readable_name, parameters))}" if len(parameters) > 1 else ""
+    return f": {', '.join(map(_error_source_label, parameters))}" if len(parameters) > 1 else ""
 
 
-def _readable_name(name: str) -> str:
+def _error_source_label(name: str) -> str:
     return name.removesuffix("_m_s").removesuffix("_m").removesuffix("_rad").replace("_", " ")

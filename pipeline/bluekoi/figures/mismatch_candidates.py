@@ -18,7 +18,7 @@ FIGURE_CAPTION = (
 )
 REQUIRED_RESULTS = ("mismatch",)
 MAX_BARS_SHOWN = 16
-NOT_NAMED_COLOUR = "#9aa5af"
+UNSELECTED_CANDIDATE_COLOUR = "#9aa5af"
 
 
 def render_figure(campaign: Campaign) -> Figure:
@@ -32,21 +32,21 @@ def render_figure(campaign: Campaign) -> Figure:
     if not bars:
         placeholder(axes, "this search reports no candidates")
         return figure
-    _draw_bars(axes, bars, named)
+    _draw_probability_bars(axes, bars, named)
     axes.set_xlabel("probability that the cause acts")
     shown = {name in named for name, _ in bars}
     handles = [Patch(color=AFTER_COLOUR, label="named")] * (True in shown)
-    handles += [Patch(color=NOT_NAMED_COLOUR, label="not named")] * (False in shown)
+    handles += [Patch(color=UNSELECTED_CANDIDATE_COLOUR, label="not named")] * (False in shown)
     figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
 
 
-def _draw_bars(axes: Axes, bars: list[tuple[str, float]], named: set[str]) -> None:
+def _draw_probability_bars(axes: Axes, bars: list[tuple[str, float]], named: set[str]) -> None:
     for place, (name, value) in enumerate(bars):
         axes.barh(
             place,
             value,
-            color=AFTER_COLOUR if name in named else NOT_NAMED_COLOUR,
+            color=AFTER_COLOUR if name in named else UNSELECTED_CANDIDATE_COLOUR,
             height=0.7,
         )
         axes.annotate(f"{value:.2f}", (value, place), xytext=(3, 0), textcoords="offset points",

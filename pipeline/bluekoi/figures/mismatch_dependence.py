@@ -23,7 +23,7 @@ from .drawing.missing_force import (
     missing_forces,
     variable_along_trial,
 )
-from .drawing.style import AFTER_COLOUR, Style, panel_letter, placeholder, power_styles
+from .drawing.style import AFTER_COLOUR, PowerStyle, panel_letter, placeholder, power_styles
 
 FIGURE_TITLE = "Variables that explain the missing force"
 FIGURE_CAPTION = (
@@ -63,7 +63,7 @@ def render_figure(campaign: Campaign) -> Figure:
             placeholder(axes, "no further dependence")
             continue
         channel, name = shown[i]
-        _draw_panel(axes, campaign, (channel, name), pieces, styles)
+        _draw_dependence_panel(axes, campaign, (channel, name), pieces, styles)
         share = shares.get((channel, name))
         axes.set_title(
             f"{FORCE_NAMES[channel]}: explains {100 * share:.0f} % (held out)"
@@ -102,12 +102,12 @@ def _channel_variable_pairs(
     return first + default[:1] if first else list(DEFAULT_CHANNEL_VARIABLE_PAIRS), shares
 
 
-def _draw_panel(
+def _draw_dependence_panel(
     axes: Axes,
     campaign: Campaign,
     pair: tuple[str, str],
     pieces: Sequence[tuple[MissingForceSeries, Float]],
-    styles: dict[float, Style],
+    styles: dict[float, PowerStyle],
 ) -> None:
     channel, name = pair
     k = FORCE_CHANNELS.index(channel)
@@ -117,7 +117,7 @@ def _draw_panel(
         for (one, _), at in zip(pieces, found, strict=True)
     ]
     y = [one.force[at, k] for (one, _), at in zip(pieces, found, strict=True)]
-    _draw_dots(axes, campaign, [one for one, _ in pieces], (x, y), styles)
+    _draw_force_at_frames(axes, campaign, [one for one, _ in pieces], (x, y), styles)
     at, mean, std = _binned_means(x, y)
     axes.errorbar(at, mean, yerr=std, fmt="o", color="#20262e", ms=4, capsize=2, zorder=5,
                   label="mean and standard deviation over trials")  # fmt: skip
@@ -140,12 +140,12 @@ def _frames_after_start(one: MissingForceSeries) -> npt.NDArray[np.bool_]:
     return np.asarray(t >= min(SKIPPED_START_S, t[-1] / 3))
 
 
-def _draw_dots(
+def _draw_force_at_frames(
     axes: Axes,
     campaign: Campaign,
     found: Sequence[MissingForceSeries],
     points: tuple[list[Float], list[Float]],
-    styles: dict[float, Style],
+    styles: dict[float, PowerStyle],
 ) -> None:
     labelled: set[float] = set()
     for one, x, y in zip(found, *points, strict=True):

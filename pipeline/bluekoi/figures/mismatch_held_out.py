@@ -10,8 +10,8 @@ from matplotlib.lines import Line2D
 
 from ..campaign import Campaign
 from .drawing.held_out import evaluated_on_fitted_trials, evaluated_trials, noise_floor_m
-from .drawing.model_paths import draw_paths, drawn_models, legend
-from .drawing.style import MEASURED_COLOUR, NOISE_FLOOR_NAME, panel_letter, placeholder
+from .drawing.model_paths import draw_paths, model_plot_styles, path_legend_entries
+from .drawing.style import MEASURED_COLOUR, NOISE_FLOOR_LABEL, panel_letter, placeholder
 
 FIGURE_TITLE = "Held-out trials: errors of the model before and after"
 FIGURE_CAPTION = (
@@ -22,8 +22,8 @@ FIGURE_CAPTION = (
     "distance to the measured path."
 )
 HELD_OUT_SENTENCE = "Trials that no fit used."
-ONE_MODEL_TITLE = "Held-out trials: errors of the model"
-ONE_MODEL_CAPTION = (
+TITLE_WITHOUT_CAUSES = "Held-out trials: errors of the model"
+CAPTION_WITHOUT_CAUSES = (
     "No cause was identified, so there is one model. (A) Its errors; dotted: noise floor, the "
     "error of the model on trials simulated by itself with the estimated noise. (B) Their paths "
     "in the pool; numbers: rms distance to the measured path."
@@ -34,7 +34,7 @@ FITTED_TRIALS_CAPTION = (
 )
 REQUIRED_RESULTS = ("tracks", "mismatch")
 MAX_PATHS_SHOWN = 6
-TEXT_BOX = {"fc": "white", "ec": "none", "pad": 0.6, "alpha": 0.85}
+VALUE_LABEL_BOX_STYLE = {"fc": "white", "ec": "none", "pad": 0.6, "alpha": 0.85}
 ERROR_LABELS = (
     ("path_rmse_m", "rms path error (mm)", 1000.0),
     ("radius_error_pct", "radius error (%)", 1.0),
@@ -46,8 +46,12 @@ ERROR_LABELS = (
 def title_and_caption(campaign: Campaign) -> tuple[str, str]:
     """Title and caption, by whether trials were held out and causes identified."""
     fitted = evaluated_on_fitted_trials(campaign)
-    title = FIGURE_TITLE if campaign.has_additions else ONE_MODEL_TITLE
-    text = FIGURE_CAPTION if campaign.has_additions else f"{HELD_OUT_SENTENCE} {ONE_MODEL_CAPTION}"
+    title = FIGURE_TITLE if campaign.has_additions else TITLE_WITHOUT_CAUSES
+    text = (
+        FIGURE_CAPTION
+        if campaign.has_additions
+        else f"{HELD_OUT_SENTENCE} {CAPTION_WITHOUT_CAUSES}"
+    )
     if fitted:
         return title.replace("Held-out", "Fitted"), text.replace(
             HELD_OUT_SENTENCE, FITTED_TRIALS_CAPTION
@@ -62,7 +66,7 @@ def render_figure(campaign: Campaign) -> Figure:
     bars = sides[0].subgridspec(1, 3)
     for i, (key, label, factor) in enumerate(ERROR_LABELS):
         axes = figure.add_subplot(bars[i])
-        _draw_error_bars(axes, campaign, key, factor)
+        _draw_model_error_bar_chart(axes, campaign, key, factor)
         axes.set_title(label)
         if i == 0:
             panel_letter(axes, "A")
@@ -82,15 +86,15 @@ def render_figure(campaign: Campaign) -> Figure:
             axes.axis("off")
         if i == 0:
             panel_letter(axes, "B")
-    handles = legend(campaign)
+    handles = path_legend_entries(campaign)
     if noise_floor_m(campaign) is not None:
-        handles.append(Line2D([], [], color=MEASURED_COLOUR, ls=":", label=NOISE_FLOOR_NAME))
+        handles.append(Line2D([], [], color=MEASURED_COLOUR, ls=":", label=NOISE_FLOOR_LABEL))
     figure.legend(handles=handles, loc="outside upper center", ncols=4)
     return figure
 
 
-def _draw_error_bars(axes: Axes, campaign: Campaign, key: str, factor: float) -> None:
-    drawn = drawn_models(campaign)
+def _draw_model_error_bar_chart(axes: Axes, campaign: Campaign, key: str, factor: float) -> None:
+    drawn = model_plot_styles(campaign)
     values = [factor * campaign.held_out_error(model.result, key) for model in drawn]
     if all(math.isnan(value) for value in values):
         placeholder(axes, "no value")
@@ -101,8 +105,15 @@ def _draw_error_bars(axes: Axes, campaign: Campaign, key: str, factor: float) ->
             axes.annotate("diverges", (place, 0), xytext=(0, 6), ha="center", rotation=90,
                           textcoords="offset points", fontsize=8, color=model.colour)  # fmt: skip
         elif math.isfinite(value):
-            axes.annotate(f"{value:.3g}", (place, value), xytext=(0, 3), ha="center",
-                          textcoords="offset points", fontsize=8, bbox=TEXT_BOX)  # fmt: skip
+            axes.annotate(
+                f"{value:.3g}",
+                (place, value),
+                xytext=(0, 3),
+                ha="center",
+                textcoords="offset points",
+                fontsize=8,
+                bbox=VALUE_LABEL_BOX_STYLE,
+            )
     floor = noise_floor_m(campaign)
     if key == "path_rmse_m" and floor is not None:
         axes.axhline(factor * floor, color=MEASURED_COLOUR, ls=":", lw=1.4)

@@ -28,7 +28,7 @@ FIGURE_CAPTION = (
     "sway force."
 )
 REQUIRED_RESULTS = ("tracks", "steady", "mismatch_detail")
-TRIALS_SHOWN = 3
+WORST_TRIALS_SHOWN = 3
 
 
 def render_figure(campaign: Campaign) -> Figure:
@@ -40,7 +40,9 @@ def render_figure(campaign: Campaign) -> Figure:
         panel_letter(axes, "ABC"[i])
         _draw_force_map(figure, axes, campaign, found, i)
         axes.set_title(f"missing {FORCE_NAMES[channel]} ({FORCE_UNITS[channel]})")
-    worst = sorted(found.values(), key=_mean_square, reverse=True)[:TRIALS_SHOWN]
+    worst = sorted(found.values(), key=_mean_square_standardised_force, reverse=True)[
+        :WORST_TRIALS_SHOWN
+    ]
     longest = max((float(np.hypot(*one.force[:, :2].T).max()) for one in worst), default=1.0)
     longest = max(longest, 1e-3)
     for i, axes in enumerate(panels[1]):
@@ -52,7 +54,7 @@ def render_figure(campaign: Campaign) -> Figure:
     return figure
 
 
-def _mean_square(one: MissingForceSeries) -> float:
+def _mean_square_standardised_force(one: MissingForceSeries) -> float:
     """Mean square of the missing force in standard errors."""
     return float(np.mean((one.force / np.maximum(one.std, 1e-9)) ** 2))
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from ..campaign import Campaign
 from ..study import Trial
-from .drawing.model_paths import draw_paths, legend
+from .drawing.model_paths import draw_paths, path_legend_entries
 from .drawing.style import placeholder
 
 FIGURE_TITLE = "Measured and simulated path of every trial"
@@ -27,24 +27,24 @@ MAX_PANELS = 60
 
 def render_figure(campaign: Campaign) -> Figure:
     """Small multiples, one panel a trial in the order of trials.csv."""
-    trials = _trials_shown(campaign)
+    trials = _all_or_worst_trials(campaign)
     columns = min(PANELS_PER_ROW, len(trials))
     rows = math.ceil(len(trials) / columns)
     figure = Figure(figsize=(max(6, 2.15 * columns), 1.75 * rows + 0.7), layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False)
     for i, axes in enumerate(panels.flat):
         if i < len(trials):
-            _draw_panel(axes, campaign, trials[i])
+            _draw_trial_panel(axes, campaign, trials[i])
             axes.tick_params(labelleft=i % columns == 0, labelbottom=i + columns >= len(trials))
         else:
             axes.axis("off")
     figure.supxlabel("x (m)")
     figure.supylabel("y (m)")
-    figure.legend(handles=legend(campaign), loc="outside upper center", ncols=3)
+    figure.legend(handles=path_legend_entries(campaign), loc="outside upper center", ncols=3)
     return figure
 
 
-def _trials_shown(campaign: Campaign) -> tuple[Trial, ...]:
+def _all_or_worst_trials(campaign: Campaign) -> tuple[Trial, ...]:
     """All trials, or the worst ones of a large study, in the study's order."""
     trials = campaign.study.trials
     if len(trials) <= MAX_PANELS:
@@ -56,7 +56,7 @@ def _trials_shown(campaign: Campaign) -> tuple[Trial, ...]:
     return tuple(trial for trial in trials if trial.trial_id in worst)
 
 
-def _draw_panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:
+def _draw_trial_panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:
     axes.set_title(
         f"{trial.trial_id}: {trial.power_pct:g} %, {trial.head_angle_deg:g}°, "
         f"{trial.head_length_m:g} m",

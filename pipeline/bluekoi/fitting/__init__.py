@@ -6,19 +6,24 @@ from .bootstrap import parametric_bootstrap
 from .filtering import (
     FilteredTrial,
     FilterResults,
-    disturbance_slots,
     filter_all,
     filter_series,
+    random_state_indices,
     rts_smooth,
 )
 from .free_run import FreeRun, free_runs
 from .joint_fit import (
     ParameterFit,
-    conditional_response,
     fit_parameters_jointly,
     regularised_fisher_inverse,
+    sensitivity_to_other_parameters,
 )
-from .missing_force import MissingForce, added_force, missing_force, rms_forces_of_parameter_changes
+from .missing_force import (
+    MissingForce,
+    force_of_added_effects,
+    missing_force,
+    rms_forces_of_parameter_changes,
+)
 from .noise import estimate_noise_model
 from .normal import (
     NormalEquationsByTrial,
@@ -27,7 +32,7 @@ from .normal import (
     trial_parameter_vector,
 )
 from .paths import TrajectoryFit, fit_trajectories
-from .predictions import slots_by_name
+from .predictions import parameter_index_by_name
 from .resampling import cov_hc2, cov_jackknife, inverse_fisher, off_bounds, student_t_draws
 from .sandwich import (
     ClusterCovariance,
@@ -56,30 +61,30 @@ __all__ = [
     "TrialEffect",
     "TrialRandomEffect",
     "TrialSeries",
-    "added_force",
     "block_averaged",
     "cluster_covariance",
     "cluster_robust_covariance",
-    "conditional_response",
     "cov_hc2",
     "cov_jackknife",
-    "disturbance_slots",
     "estimate_noise_model",
     "filter_all",
     "filter_series",
     "fit_parameters_jointly",
     "fit_trajectories",
+    "force_of_added_effects",
     "free_runs",
     "inverse_fisher",
     "log_likelihood_by_trial",
     "missing_force",
     "newton_step_ignoring_bounds",
     "off_bounds",
+    "parameter_index_by_name",
     "parametric_bootstrap",
+    "random_state_indices",
     "regularised_fisher_inverse",
     "rms_forces_of_parameter_changes",
     "rts_smooth",
-    "slots_by_name",
+    "sensitivity_to_other_parameters",
     "student_t_draws",
     "trial_normal_equations",
     "trial_parameter_vector",

@@ -10,7 +10,11 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import simulate_batch
-from .filtering import disturbance_slots, random_state_sizes, values_with_noise_switched_on
+from .filtering import (
+    parameters_with_random_effects_on,
+    random_state_indices,
+    random_state_std_factors,
+)
 from .series import Noise, TrialSeries, padded_arrays
 
 
@@ -26,7 +30,10 @@ def parametric_bootstrap(  # noqa: PLR0917
     """
     state, tau = starts.copy(), noises[0].tau
     points = np.array(
-        [values_with_noise_switched_on(kernel, v, n) for v, n in zip(values, noises, strict=True)]
+        [
+            parameters_with_random_effects_on(kernel, v, n)
+            for v, n in zip(values, noises, strict=True)
+        ]
     )
     times, inputs = (
         padded_arrays([s.times for s in series]),
@@ -34,8 +41,8 @@ def parametric_bootstrap(  # noqa: PLR0917
     )
     constants = np.array([s.constants for s in series])
     sigma = np.array([n.disturbance for n in noises])
-    slots = disturbance_slots(kernel)[: sigma.shape[1]]
-    sigma = sigma * random_state_sizes(kernel, series)[:, : sigma.shape[1]]
+    slots = random_state_indices(kernel)[: sigma.shape[1]]
+    sigma = sigma * random_state_std_factors(kernel, series)[:, : sigma.shape[1]]
     decay = np.zeros(sigma.shape)
     observed = np.zeros((*times.shape, len(kernel.system.observations)))
     for k in range(times.shape[1]):

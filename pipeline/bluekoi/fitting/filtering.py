@@ -11,7 +11,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import CompiledSystem, Effect, System
-from ..integrate.batch import active_effects_by_row, threaded_map
+from ..integrate.batch import active_effects_by_parameter_vector, threaded_map
 from .series import Noise, TrialSeries, padded_arrays
 
 MAX_FILTER_STEP_S = 1 / 30
@@ -19,7 +19,7 @@ MAX_FILTER_STEP_S = 1 / 30
 1/20 s would do for accuracy, but a strong fin damps yaw at 80/s, for which Runge and Kutta's steps
 are unstable from 1/30 s on.
 """
-STATE_DIFFERENCE = (
+STATE_FINITE_DIFFERENCE_STEP = (
     1e-5  # size of state differences for the transition matrix, in each state's SI unit
 )
 
@@ -73,7 +73,7 @@ class FilterResults(Sequence[FilteredTrial]):
         return padded_arrays([f.gains for f in self.each])
 
     @cached_property
-    def roots(self) -> Float:
+    def inverse_innovation_cholesky(self) -> Float:
         """Inverse Cholesky factors of the innovation covariances."""
         return padded_arrays([f.roots for f in self.each])
 
@@ -88,12 +88,12 @@ class FilterResults(Sequence[FilteredTrial]):
         return padded_arrays([s.inputs for s in self.series])
 
     @cached_property
-    def seen(self) -> Float:
+    def padded_observations(self) -> Float:
         """What was seen, 0 where missing."""
         return np.nan_to_num(padded_arrays([s.seen for s in self.series]))
 
     @cached_property
-    def frames(self) -> np.ndarray:
+    def frame_counts(self) -> np.ndarray:
         """How many frames of each trial count."""
         return np.array([len(s.times) for s in self.series])
 
@@ -116,9 +116,9 @@ def filter_all(
 ) -> FilterResults:
     """`filter_series` for every trial with its own parameter vector, on all cores."""
     shared = _noise_arrays(kernel, noise)
-    full = values_with_noise_switched_on(kernel, np.array(values).T, noise).T.copy()
-    on = active_effects_by_row(kernel.system, full)
-    jobs = list(zip(series, full, on, random_state_sizes(kernel, series), strict=True))
+    full = parameters_with_random_effects_on(kernel, np.array(values).T, noise).T.copy()
+    on = active_effects_by_parameter_vector(kernel.system, full)
+    jobs = list(zip(series, full, on, random_state_std_factors(kernel, series), strict=True))
     found = threaded_map(lambda job: _filter_trial(kernel, *job, shared=shared), jobs)
     return FilterResults(tuple(series), tuple(found))
 
@@ -138,10 +138,12 @@ class _NoiseArrays:
 def _noise_arrays(kernel: CompiledSystem, noise: Noise) -> _NoiseArrays:
     count = len(kernel.system.all_states)
     variance, memory = np.zeros(count), np.ones(count)
-    slots = np.array(disturbance_slots(kernel)[: len(noise.disturbance)], dtype=int)
+    slots = np.array(random_state_indices(kernel)[: len(noise.disturbance)], dtype=int)
     variance[slots], memory[slots] = noise.disturbance**2, noise.tau
     scales = np.outer(noise.scale, noise.scale)
-    return _NoiseArrays(noise, variance, memory, slots, np.full(count, STATE_DIFFERENCE), scales)
+    return _NoiseArrays(
+        noise, variance, memory, slots, np.full(count, STATE_FINITE_DIFFERENCE_STEP), scales
+    )
 
 
 def _filter_trial(
@@ -149,7 +151,7 @@ def _filter_trial(
     shared: _NoiseArrays,
 ) -> FilteredTrial:  # fmt: skip
     """One trial; values (parameters,) with the random parts switched on, on (effects,): those that
-    act, sizes: a row of `random_state_sizes`.
+    act, sizes: a row of `random_state_std_factors`.
     """
     n, s, o = len(series.times), len(kernel.system.all_states), len(kernel.system.observations)
     shapes = ((n, s, o), (n, o, o), (n, s, s), (n, s), (n, s), (n, s, s), (n, s, s), (n, o))
@@ -163,7 +165,7 @@ def _filter_trial(
     log_likelihood = kernel.kalman(
         series.mean, cov, values, series.constants, series.times, series.inputs, series.seen,
         series.noise * shared.scales, variance, shared.memory, shared.difference,
-        active_states(kernel.system, on), on, step_s, gains, roots, transitions,
+        state_indices_of_active_effects(kernel.system, on), on, step_s, gains, roots, transitions,
         predicted, filtered, cov_p, cov_f, innovations,
     )  # fmt: skip
     return FilteredTrial(
@@ -184,7 +186,7 @@ def rts_smooth(result: FilteredTrial) -> tuple[Float, Float]:
     return mean, cov
 
 
-def disturbance_slots(kernel: CompiledSystem, *, acting: bool = False) -> list[int]:
+def random_state_indices(kernel: CompiledSystem, *, acting: bool = False) -> list[int]:
     """Places of the random states in the state vector; of those alone that push, where `acting`."""
     return [
         kernel.system.all_states.index(s)
@@ -194,12 +196,12 @@ def disturbance_slots(kernel: CompiledSystem, *, acting: bool = False) -> list[i
     ]
 
 
-def random_state_sizes(kernel: CompiledSystem, series: Sequence[TrialSeries]) -> Float:
+def random_state_std_factors(kernel: CompiledSystem, series: Sequence[TrialSeries]) -> Float:
     """Standard deviations (trials, random states) over those of `Noise.disturbance`: those of
     forces have the `force_size` of their trial.
     """
-    pushing = set(disturbance_slots(kernel, acting=True))
-    acts = np.array([slot in pushing for slot in disturbance_slots(kernel)])
+    pushing = set(random_state_indices(kernel, acting=True))
+    acts = np.array([slot in pushing for slot in random_state_indices(kernel)])
     return np.where(acts, np.array([s.force_size for s in series])[:, None], 1.0)
 
 
@@ -208,7 +210,7 @@ def disturbance_effects(kernel: CompiledSystem) -> list[Effect]:
     return [e for e in kernel.system.effects if e.kind == "disturbance"]
 
 
-def values_with_noise_switched_on(kernel: CompiledSystem, values: Float, noise: Noise) -> Float:
+def parameters_with_random_effects_on(kernel: CompiledSystem, values: Float, noise: Noise) -> Float:
     """`values` (parameters, ...) with the random parts of `noise` switched on, as a copy.
 
     A random effect's parameters are `present` and then a memory for all its states, or one each.
@@ -227,13 +229,13 @@ def _stochastic_effect_slots(system: System) -> tuple[tuple[int, tuple[int, ...]
     """Of each random effect: places of `present` and of its memories, its states from and to."""
     out, at = [], 0
     for effect in (e for e in system.effects if e.kind == "disturbance"):
-        present, *memories = system.effect_parameter_slots(effect.name)
+        present, *memories = system.effect_parameter_indices(effect.name)
         out.append((present, tuple(memories), at, at + len(effect.states)))
         at += len(effect.states)
     return tuple(out)
 
 
-def active_states(system: System, on: np.ndarray) -> np.ndarray:
+def state_indices_of_active_effects(system: System, on: np.ndarray) -> np.ndarray:
     """Places of the model's states and of those of the effects that are on, uint8 (effects,)."""
     return _active_state_indices(system, on.tobytes())
 

@@ -14,7 +14,7 @@ from .gram import compute_column_products
 from .series import TrialSeries, observations_and_weights, padded_arrays
 
 FIT_HORIZON_SHARES = (0.25, 0.5, 1.0)
-START_STATE_DIFFERENCE = 1e-4
+START_STATE_DIFFERENCE_STEP = 1e-4
 """Size of the differences in the starting states, in their SI units."""
 
 
@@ -48,10 +48,12 @@ def free_runs(
     """
     starts = np.array([s.mean for s in series])
     for share in FIT_HORIZON_SHARES:
-        part = [first_part(s, share) for s in series]
+        part = [first_share_of_trial(s, share) for s in series]
         starts = _fitted_starts(_padded_runs(kernel, part, values, open_states), starts,
                                 iterations=iterations)  # fmt: skip
-    observed, states = _padded_runs(kernel, series, values, 0).of(starts, keep_states=True)
+    observed, states = _padded_runs(kernel, series, values, 0).simulate_from(
+        starts, keep_states=True
+    )
     return [
         FreeRun(
             x, run[: len(s.times), :, 0], o[: len(s.times), :, 0], _position_rmse(s, o[:, :, 0])
@@ -60,10 +62,10 @@ def free_runs(
     ]
 
 
-def first_part(series: TrialSeries, share: float) -> TrialSeries:
+def first_share_of_trial(series: TrialSeries, share: float) -> TrialSeries:
     """The first share of a trial's frames, two at least."""
     n = max(2, int(np.ceil(share * len(series.times))))
-    return series.frames(0, n)
+    return series.slice_frames(0, n)
 
 
 @dataclass(frozen=True)
@@ -85,28 +87,28 @@ class _PaddedRuns:
     std: Float
     count: int
 
-    def of(self, starts: Float, *, keep_states: bool = False) -> tuple[Float, Float]:
+    def simulate_from(self, starts: Float, *, keep_states: bool = False) -> tuple[Float, Float]:
         """Observations and states of runs from these starts and, in further lanes, beside them."""
         state = np.repeat(starts[:, :, None], LANES, axis=2)
-        state[:, range(self.count), range(1, self.count + 1)] += START_STATE_DIFFERENCE
+        state[:, range(self.count), range(1, self.count + 1)] += START_STATE_DIFFERENCE_STEP
         return simulate_batch(
             self.kernel, state, self.values, self.constants, times=self.times, inputs=self.inputs,
             frames=self.frames, keep_states=keep_states,
         )  # fmt: skip
 
     @np.errstate(over="ignore", invalid="ignore")  # a run that goes away has no finite cost
-    def products(self, starts: Float) -> Float:
+    def gram_matrices(self, starts: Float) -> Float:
         """Products (t, 1 + count, 1 + count) of the errors, those of the prior included, and of
         their slopes; infinite cost where a run goes away.
         """
-        observed, _ = self.of(starts)
+        observed, _ = self.simulate_from(starts)
         out = np.empty((len(starts), 1 + self.count, 1 + self.count))
         map_ranges_in_threads(
             lambda *ends: compute_column_products(observed, self.seen, self.weight, ends, out),
             len(out),
         )
-        out[:, 1:] /= START_STATE_DIFFERENCE
-        out[:, :, 1:] /= START_STATE_DIFFERENCE
+        out[:, 1:] /= START_STATE_DIFFERENCE_STEP
+        out[:, :, 1:] /= START_STATE_DIFFERENCE_STEP
         error = (self.mean - starts) / self.std
         own = range(1, self.count + 1)
         out[:, 0, 0] += np.sum(error**2, axis=1)
@@ -137,11 +139,11 @@ def _padded_runs(
 
 def _fitted_starts(runs: _PaddedRuns, starts: Float, *, iterations: int) -> Float:
     """Starts (trials, states) from which each trial's run is closest to what was seen."""
-    starts, products = starts.copy(), runs.products(starts)
+    starts, products = starts.copy(), runs.gram_matrices(starts)
     damping = np.full(len(starts), 1e-3)
     for _ in range(iterations):
         trial = starts + _damped_steps(products, damping, starts.shape[1])
-        found = runs.products(trial)
+        found = runs.gram_matrices(trial)
         cost, new = products[:, 0, 0], found[:, 0, 0]
         with np.errstate(invalid="ignore"):  # both infinite: not settled
             settled = np.abs(cost - new) <= 1e-6 * cost

@@ -15,7 +15,7 @@ from ..integrate import CompiledSystem, Parameter, System
 from .bounded_step import bounded_step
 from .filtering import FilterResults
 from .normal import NormalEquationsByTrial, trial_normal_equations
-from .predictions import slots_by_name
+from .predictions import parameter_index_by_name
 from .series import FreeParameter, Noise, TrialSeries
 
 CONVERGED = "converged"
@@ -23,7 +23,7 @@ AT_BOUND_REASON = "at a bound: the data ask for more than is plausible, look for
 STALLED = "stalled: no step improves the fit; try other starts, or fewer free coefficients"
 TRUST_REGION_STEP_TOLERANCE_FACTOR = 0.3
 """Part of the tolerance at which a step that the trust region shortens ends a fit."""
-FAILED_STEP_TOLERANCE = 2.0
+FAILED_STEP_TOLERANCE_FACTOR = 2.0
 """Part of the tolerance at which a step that fails ends a fit, unless the region shortens it."""
 MIN_SHRINKAGE, MAX_SHRINKAGE = 0.1, 0.5
 """Limits of the factor on a step that failed: the top of the parabola through both ends and the
@@ -58,17 +58,19 @@ class ParameterFit:
         """Of all trials."""
         return float(self.normal.log_likelihood.sum())
 
-    def by_label(self) -> dict[str, float]:
+    def values_by_label(self) -> dict[str, float]:
         """Fitted values by label."""
         return {f.label: float(v) for f, v in zip(self.free, self.values, strict=True)}
 
 
 def parameter_definition(system: System, free: FreeParameter) -> Parameter:
     """The parameter that a free number is a value of."""
-    return system.parameters[system.slot[free.name]]
+    return system.parameters[system.parameter_index[free.name]]
 
 
-def free_definitions(system: System, free: Sequence[FreeParameter]) -> tuple[Parameter, ...]:
+def free_parameter_definitions(
+    system: System, free: Sequence[FreeParameter]
+) -> tuple[Parameter, ...]:
     """The parameter that each free number is a value of."""
     return tuple(parameter_definition(system, f) for f in free)
 
@@ -94,11 +96,11 @@ def fit_parameters_jointly(
     gain follows from the quadratic model of the last normal equations. A step that is small because
     the region is ends the fit at `TRUST_REGION_STEP_TOLERANCE_FACTOR` of that, and is not taken:
     there the quadratic model has failed. A whole step that fails and is at most
-    `FAILED_STEP_TOLERANCE` of the tolerance ends the fit where it is: the differences are no more
-    exact than that.
-    predictor, spreads: as in `trial_normal_equations`, and so are effects, at the start.
+    `FAILED_STEP_TOLERANCE_FACTOR` of the tolerance ends the fit where it is: the differences are no
+    more exact than that. predictor, spreads: as in `trial_normal_equations`, and so are effects, at
+    the start.
     """
-    slots = slots_by_name(kernel)
+    slots = parameter_index_by_name(kernel)
     parameters = [kernel.system.parameters[slots[f.name]] for f in free]
     lower, upper = (np.array([getattr(p, k) for p in parameters]) for k in ("lower", "upper"))
     given = start or {}
@@ -107,13 +109,13 @@ def fit_parameters_jointly(
     normal = trial_normal_equations(kernel, series, base, free, x, noise=noise, predictor=predictor,
                                     spreads=spreads, effects=effects)  # fmt: skip
     radius, outcome, count = np.inf, STALLED, 0
-    while normal.usable and count < iterations:
+    while normal.all_finite and count < iterations:
         count += 1
         H, g = normal.hessian.sum(axis=0), normal.gradient.sum(axis=0)
         step = bounded_step(H, g, lower - x, upper - x, radius)
         longest = float(np.max(np.abs(step) * np.sqrt(np.maximum(np.diag(H), 0.0)), initial=0.0))
         whole = longest < (1 - 1e-9) * radius
-        if _is_small(
+        if _is_small_step(
             normal, step, tolerance * (1.0 if whole else TRUST_REGION_STEP_TOLERANCE_FACTOR)
         ):
             if whole:
@@ -131,13 +133,13 @@ def fit_parameters_jointly(
         gain = float(candidate.log_likelihood.sum() - normal.log_likelihood.sum())
         slope = float(g @ step)
         share = gain / (slope - 0.5 * float(step @ H @ step))
-        if candidate.usable and gain >= 0:
+        if candidate.all_finite and gain >= 0:
             x, normal = trial, candidate
             if share > GOOD_GAIN_SHARE:
                 radius = max(radius, 2.0 * longest)
             elif share < POOR_GAIN_SHARE:
                 radius = 0.5 * longest
-        elif whole and _is_small(normal, step, FAILED_STEP_TOLERANCE * tolerance):
+        elif whole and _is_small_step(normal, step, FAILED_STEP_TOLERANCE_FACTOR * tolerance):
             outcome = CONVERGED
             break
         else:
@@ -146,11 +148,11 @@ def fit_parameters_jointly(
     bound = (x <= lower) | (x >= upper)
     outcome = AT_BOUND_REASON if outcome == CONVERGED and bound.any() else outcome
     return ParameterFit(
-        tuple(free), x, normal, outcome, count, free_definitions(kernel.system, free)
+        tuple(free), x, normal, outcome, count, free_parameter_definitions(kernel.system, free)
     )
 
 
-def _is_small(normal: NormalEquationsByTrial, change: Float, tolerance: float) -> bool:
+def _is_small_step(normal: NormalEquationsByTrial, change: Float, tolerance: float) -> bool:
     """Whether a step lies within `tolerance` standard deviations: change' H change < tol^2."""
     return bool(change @ normal.hessian.sum(axis=0) @ change < tolerance**2 * max(len(change), 1))
 
@@ -183,6 +185,8 @@ def regularised_fisher_inverse(matrix: Float) -> Float:
     return weighted @ np.swapaxes(vectors, -1, -2) / scales
 
 
-def conditional_response(hessian: Float, own: Sequence[int], others: Sequence[int]) -> Float:
+def sensitivity_to_other_parameters(
+    hessian: Float, own: Sequence[int], others: Sequence[int]
+) -> Float:
     """-H_oo^-1 H_ox (own, others): how some numbers of a fit go along with a change of others."""
     return -regularised_fisher_inverse(hessian[np.ix_(own, own)]) @ hessian[np.ix_(own, others)]

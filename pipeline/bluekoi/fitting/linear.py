@@ -21,14 +21,14 @@ from ..data import Float
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import active_effects, map_ranges_in_threads, simulate_batch
 from .filtering import (
-    STATE_DIFFERENCE,
+    STATE_FINITE_DIFFERENCE_STEP,
     FilteredTrial,
     FilterResults,
-    active_states,
-    disturbance_slots,
     filter_all,
-    random_state_sizes,
-    values_with_noise_switched_on,
+    parameters_with_random_effects_on,
+    random_state_indices,
+    random_state_std_factors,
+    state_indices_of_active_effects,
 )
 from .recursion import fill_log_likelihoods
 from .score import log_likelihood_gradients
@@ -65,17 +65,18 @@ class LinearisedFilter:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a model that diverges has no likelihood
-def linearised(
+def linearised_filter(
     kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], noise: Noise,
     passes: FilterResults | None = None,
 ) -> LinearisedFilter:  # fmt: skip
     """`LinearisedFilter` along the filter's pass with this noise, made here unless given."""
     passed = filter_all(kernel, series, values, noise) if passes is None else passes
     on = active_effects(
-        kernel.system, np.array([values_with_noise_switched_on(kernel, v, noise) for v in values])
+        kernel.system,
+        np.array([parameters_with_random_effects_on(kernel, v, noise) for v in values]),
     )
-    used = active_states(kernel.system, on)
-    slots = np.array(disturbance_slots(kernel)[: len(noise.disturbance)], dtype=np.int64)
+    used = state_indices_of_active_effects(kernel.system, on)
+    slots = np.array(random_state_indices(kernel)[: len(noise.disturbance)], dtype=np.int64)
     places = np.flatnonzero(np.isin(slots, used))
     active = np.concatenate([used[~np.isin(used, slots)], slots[places]])
     random = np.arange(len(active) - len(places), len(active))
@@ -97,7 +98,7 @@ def linearised(
         np.array([s.cov[block] for s in series]),
         random,
         places,
-        random_state_sizes(kernel, series)[:, places],
+        random_state_std_factors(kernel, series)[:, places],
         tau,
     )
 
@@ -161,7 +162,7 @@ def _observations_and_slopes(
     predicted = padded_arrays([p.predicted for p in passed])
     trials, frames, states = predicted.shape
     each = np.repeat(np.arange(trials), frames)
-    full = np.array([values_with_noise_switched_on(kernel, v, noise) for v in values])[each]
+    full = np.array([parameters_with_random_effects_on(kernel, v, noise) for v in values])[each]
     constants = np.array([s.constants for s in series])[each]
     times, inputs = (padded_arrays([getattr(s, k) for s in series]) for k in ("times", "inputs"))
     lanes = [np.repeat(a[:, :, None], LANES, axis=2) for a in (full, constants)]
@@ -169,11 +170,13 @@ def _observations_and_slopes(
     for first in range(0, len(active), LANES - 1):  # lane 0 is the state as it is
         moved = active[first : first + LANES - 1]
         state = np.repeat(predicted.reshape(-1, states, 1), LANES, axis=2)
-        state[:, moved, np.arange(1, len(moved) + 1)] += STATE_DIFFERENCE
+        state[:, moved, np.arange(1, len(moved) + 1)] += STATE_FINITE_DIFFERENCE_STEP
         seen, _ = simulate_batch(kernel, state, *lanes, times=times.reshape(-1, 1),
                                  inputs=inputs.reshape(len(each), 1, inputs.shape[2]))  # fmt: skip
         flat = seen[:, 0]
-        gradients.append((flat[:, :, 1 : len(moved) + 1] - flat[:, :, :1]) / STATE_DIFFERENCE)
+        gradients.append(
+            (flat[:, :, 1 : len(moved) + 1] - flat[:, :, :1]) / STATE_FINITE_DIFFERENCE_STEP
+        )
     known = np.isfinite(padded_arrays([s.seen for s in series]))
     slopes = np.concatenate(gradients, axis=2).reshape(*known.shape, len(active))
     return flat[:, :, 0].reshape(known.shape), np.where(known[..., None], slopes, 0.0)

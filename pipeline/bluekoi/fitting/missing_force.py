@@ -12,14 +12,14 @@ from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import simulate_batch
 from .filtering import (
     FilterResults,
-    disturbance_slots,
     filter_all,
+    parameters_with_random_effects_on,
+    random_state_indices,
     rts_smooth,
-    values_with_noise_switched_on,
 )
 from .series import Noise, TrialSeries
 
-IMPULSE_S = 1e-3
+IMPULSE_DURATION_S = 1e-3
 """Duration over which forces are compared by the change of the velocities."""
 MAX_RMS_FORCE_FRAMES = 512
 """Frames, evenly spread over all trials, of which a root mean square force is taken: of independent
@@ -42,7 +42,7 @@ def missing_force(
     kernel: CompiledSystem, series: Sequence[TrialSeries], values: Sequence[Float], noise: Noise
 ) -> list[MissingForce]:
     """`MissingForce` of every trial around a fitted model."""
-    slots = disturbance_slots(kernel, acting=True)
+    slots = random_state_indices(kernel, acting=True)
     out = []
     for one, result in zip(series, filter_all(kernel, series, values, noise), strict=True):
         mean, cov = rts_smooth(result)
@@ -51,7 +51,7 @@ def missing_force(
     return out
 
 
-def added_force(
+def force_of_added_effects(
     kernel: CompiledSystem,
     series: Sequence[TrialSeries],
     on: Sequence[Float],
@@ -69,8 +69,10 @@ def added_force(
         series, filter_all(kernel, series, on, noise), on, off, strict=True
     ):
         state, _ = rts_smooth(result)
-        changed, base = (np.tile(values_with_noise_switched_on(kernel, v, noise), (len(state), 1))
-                         for v in (with_, without))  # fmt: skip
+        changed, base = (
+            np.tile(parameters_with_random_effects_on(kernel, v, noise), (len(state), 1))
+            for v in (with_, without)
+        )
         force = _forces_of_parameter_changes(kernel, state, base, [changed], times=one.times,
                                    inputs=one.inputs,
                                    constants=np.tile(one.constants, (len(state), 1)))  # fmt: skip
@@ -94,13 +96,13 @@ def rms_forces_of_parameter_changes(
     each = each[chosen]
 
     def of_frames(vectors: Sequence[Float]) -> Float:
-        return values_with_noise_switched_on(kernel, np.array(vectors).T, noise).T[each]
+        return parameters_with_random_effects_on(kernel, np.array(vectors).T, noise).T[each]
 
     state, base = np.concatenate([f.filtered for f in passes])[chosen], of_frames(points)
     times, inputs = (np.concatenate([getattr(s, k) for s in series])[chosen]
                      for k in ("times", "inputs"))  # fmt: skip
     constants = np.array([s.constants for s in series])[each]
-    most, out = LANES - 1 - len(disturbance_slots(kernel, acting=True)), []
+    most, out = LANES - 1 - len(random_state_indices(kernel, acting=True)), []
     for begin in range(0, len(changes), most):
         some = [of_frames(change) for change in changes[begin : begin + most]]
         force = _forces_of_parameter_changes(kernel, state, base, some, times=times, inputs=inputs,
@@ -114,9 +116,9 @@ def _forces_of_parameter_changes(
     inputs: Float, constants: Float,
 ) -> Float:  # fmt: skip
     """Force (n, channels, changes) at n states by which changed parameters (n, parameters) differ
-    from the base: the impulse over `IMPULSE_S`, in those of unit random forces.
+    from the base: the impulse over `IMPULSE_DURATION_S`, in those of unit random forces.
     """
-    slots = disturbance_slots(kernel, acting=True)
+    slots = random_state_indices(kernel, acting=True)
     first = 1 + len(slots)
     lanes = np.repeat(state[:, :, None], LANES, axis=2)
     for k, slot in enumerate(slots):
@@ -125,7 +127,7 @@ def _forces_of_parameter_changes(
     values[:, :, first : first + len(changed)] = np.stack(changed, axis=2)
     _, after = simulate_batch(
         kernel, lanes, values, np.repeat(constants[:, :, None], LANES, axis=2),
-        times=times[:, None] + np.array([0.0, IMPULSE_S]), keep_states=True,
+        times=times[:, None] + np.array([0.0, IMPULSE_DURATION_S]), keep_states=True,
         inputs=np.repeat(inputs[:, None], 2, axis=1),
     )  # fmt: skip
     own = after[:, 1, : len(kernel.system.states)]

@@ -15,7 +15,7 @@ from .filtering import FilterResults, filter_all
 from .linear import (
     LinearisedFilter,
     NoiseGradient,
-    linearised,
+    linearised_filter,
     log_likelihood,
     log_likelihood_gradient,
 )
@@ -56,7 +56,7 @@ def estimate_noise_model(
     points = [values[i] for i in chosen]
     if passes is None or len(chosen) < len(series):
         passes = filter_all(kernel, some, points, noise)
-    estimated = _estimated_indices(kernel, noise)
+    estimated = _estimated_noise_indices(kernel, noise)
     if not estimated:
         return FittedNoise(noise, passes)
 
@@ -64,7 +64,7 @@ def estimate_noise_model(
         return _with_estimates(kernel, noise, estimated, np.exp(logs))
 
     logs, width = np.log([max(_noise_vector(noise)[k], MIN_NOISE_STRENGTH) for k in estimated]), 0.7
-    linear = linearised(kernel, some, points, noise_of(logs), passes)
+    linear = linearised_filter(kernel, some, points, noise_of(logs), passes)
     before = _log_likelihood_or_diverged(sum(f.log_likelihood for f in passes))
     if line_searches:
         best = _log_likelihood_or_diverged(log_likelihood(linear, noise_of(logs)))
@@ -76,7 +76,7 @@ def estimate_noise_model(
                 i,
                 width,
             )
-        linear = linearised(kernel, some, points, noise_of(logs))
+        linear = linearised_filter(kernel, some, points, noise_of(logs))
 
     def objective(logs: Float) -> tuple[float, Float]:
         return _negative_log_likelihood(kernel, linear, noise_of(logs), estimated)
@@ -118,7 +118,7 @@ def _log_gradient(kernel: CompiledSystem, noise: Noise, slopes: NoiseGradient) -
     """Slopes by the logs of `_noise_vector`: sigma goes with 1 / sqrt(tau); 0 out of a bound."""
     count, own = len(noise.disturbance), slopes.disturbance * noise.disturbance
     tau = np.zeros(count)
-    for k, (shared, parameter) in _correlation_times(kernel, count).items():
+    for k, (shared, parameter) in _correlation_time_parameters(kernel, count).items():
         states = slice(k, k + shared)
         slope = float(np.sum(slopes.tau[states] * noise.tau[states] - 0.5 * own[states]))
         below, above = noise.tau[k] < parameter.upper, noise.tau[k] > parameter.lower
@@ -150,22 +150,24 @@ def _noise_vector(noise: Noise) -> Float:
     return np.concatenate([noise.disturbance * np.sqrt(noise.tau), noise.tau, noise.scale])
 
 
-def _estimated_indices(kernel: CompiledSystem, noise: Noise) -> list[int]:
+def _estimated_noise_indices(kernel: CompiledSystem, noise: Noise) -> list[int]:
     """Places in `_noise_vector`: strengths, correlation times and scales."""
     count = len(noise.disturbance)
     used = [k for k in range(count) if noise.disturbance[k] > 0]
-    times = [count + k for k in _correlation_times(kernel, count) if k in used]
+    times = [count + k for k in _correlation_time_parameters(kernel, count) if k in used]
     scales = [k for k in range(len(noise.scale)) if k not in noise.fixed_scales]
     return [*used, *times, *(2 * count + k for k in scales)]
 
 
-def _correlation_times(kernel: CompiledSystem, count: int) -> dict[int, tuple[int, Parameter]]:
+def _correlation_time_parameters(
+    kernel: CompiledSystem, count: int
+) -> dict[int, tuple[int, Parameter]]:
     """Random state with a correlation time -> how many states share it, and its parameter."""
-    return {k: v for k, v in _all_correlation_times(kernel.system).items() if k < count}
+    return {k: v for k, v in _all_correlation_time_parameters(kernel.system).items() if k < count}
 
 
 @lru_cache(maxsize=64)
-def _all_correlation_times(system: System) -> dict[int, tuple[int, Parameter]]:
+def _all_correlation_time_parameters(system: System) -> dict[int, tuple[int, Parameter]]:
     out: dict[int, tuple[int, Parameter]] = {}
     at = 0
     for effect in (e for e in system.effects if e.kind == "disturbance"):
@@ -182,7 +184,7 @@ def _with_estimates(
     flat, count = _noise_vector(noise), len(noise.disturbance)
     flat[list(estimated)] = found
     tau = flat[count : 2 * count].copy()
-    for k, (shared, parameter) in _correlation_times(kernel, count).items():
+    for k, (shared, parameter) in _correlation_time_parameters(kernel, count).items():
         tau[k : k + shared] = np.clip(tau[k], parameter.lower, parameter.upper)
     scale = np.maximum(flat[2 * count :], noise.least_scale)
     return replace(noise, disturbance=flat[:count] / np.sqrt(tau), tau=tau, scale=scale)

@@ -15,10 +15,15 @@ import numpy as np
 from ..data import Float
 from ..integrate import CompiledSystem
 from .filtering import FilterResults, filter_all
-from .predictions import ParameterChange, difference_step, slots_by_name, whitened_products
+from .predictions import (
+    ParameterChange,
+    finite_difference_step,
+    parameter_index_by_name,
+    whitened_gram_matrices,
+)
 from .series import FreeParameter, Noise, TrialSeries
 from .side_measurements import side_measurement_terms
-from .trial_effects import NO_EFFECTS, MostProbableTrialEffects, marginal_products_at_effects
+from .trial_effects import NO_EFFECTS, MostProbableTrialEffects, marginal_gram_matrices_at_effects
 
 
 @dataclass(frozen=True)
@@ -35,7 +40,7 @@ class NormalEquationsByTrial:
     effects: MostProbableTrialEffects = NO_EFFECTS
 
     @property
-    def usable(self) -> bool:
+    def all_finite(self) -> bool:
         """Whether all of it is finite: a simulation that runs away makes it not so."""
         parts = (self.hessian, self.gradient, self.log_likelihood)
         return all(bool(np.isfinite(part).all()) for part in parts)
@@ -46,7 +51,7 @@ def trial_parameter_vector(
 ) -> Float:
     """Full parameter vector of a trial of `group`: `base` with the free numbers put in."""
     out = base.copy()
-    slots = slots_by_name(kernel)
+    slots = parameter_index_by_name(kernel)
     for item, value in zip(free, values, strict=True):
         if item.group is None or item.group == group:
             out[slots[item.name]] = value
@@ -78,12 +83,14 @@ def trial_normal_equations(
     """
     points = [trial_parameter_vector(kernel, base, free, values, s.group) for s in series]
     passes = predictor or filter_all(kernel, series, points, noise)
-    slots = slots_by_name(kernel)
+    slots = parameter_index_by_name(kernel)
     groups = [s.group for s in series]
     own = [np.array([f.group in {None, g} for g in groups]) for f in free]
-    changes = [ParameterChange(difference_step(kernel, f, value), trials, {slots[f.name]: 1.0})
-               for f, value, trials in zip(free, values, own, strict=True)]  # fmt: skip
-    products, constant, found = marginal_products_at_effects(
+    changes = [
+        ParameterChange(finite_difference_step(kernel, f, value), trials, {slots[f.name]: 1.0})
+        for f, value, trials in zip(free, values, own, strict=True)
+    ]
+    products, constant, found = marginal_gram_matrices_at_effects(
         kernel, passes, points, changes, noise=noise, effects=effects
     )
     information, score, side = side_measurement_terms(kernel, series, free, points)
@@ -104,7 +111,7 @@ def prior_terms(
     """What is plausible before any data (`Parameter.spread` about `start`, or `spreads` about 0 by
     label), shared evenly among the trials.
     """
-    parameters = [kernel.system.parameters[slots_by_name(kernel)[f.name]] for f in free]
+    parameters = [kernel.system.parameters[parameter_index_by_name(kernel)[f.name]] for f in free]
     known = spreads or {}
     stds = [known.get(f.label, p.spread) for f, p in zip(free, parameters, strict=True)]
     precision = np.array(stds) ** -2.0 / trials
@@ -129,5 +136,5 @@ def log_likelihood_by_trial(
 
     The filter's gains are held. Side measurements and what is plausible beforehand stay out.
     """
-    errors = whitened_products(kernel, predictor, points, (), noise)
+    errors = whitened_gram_matrices(kernel, predictor, points, (), noise)
     return predictor.log_lik_const - 0.5 * errors[:, 0, 0]

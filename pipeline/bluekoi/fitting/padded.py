@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import MAX_INTEGRATION_STEP_S
-from .predictions import slots_by_name
+from .predictions import parameter_index_by_name
 from .series import FreeParameter, TrialSeries, observations_and_weights, padded_arrays
 
 COARSE_INTEGRATION_STEP_S = 2 * MAX_INTEGRATION_STEP_S
@@ -39,7 +39,7 @@ class PaddedTrials:
     prior_std: Float
     step_s: float = MAX_INTEGRATION_STEP_S
 
-    def first_part(self, share: float) -> PaddedTrials:
+    def first_share_of_trials(self, share: float) -> PaddedTrials:
         """The first share of each trial's frames, two at least; in longer steps unless all."""
         frames = np.maximum(2, np.ceil(share * self.frames).astype(int))
         longest = slice(0, int(frames.max()))
@@ -66,7 +66,7 @@ def padded_trials(
     if open_states + len(free) > LANES - 1:
         raise ValueError(f"{open_states + len(free)} numbers a trial, at most {LANES - 1}")
     frames, seen, weight = observations_and_weights(series)
-    slots, parameters = slots_by_name(kernel), kernel.system.parameters
+    slots, parameters = parameter_index_by_name(kernel), kernel.system.parameters
     groups = np.array([s.group for s in series])
     own = [np.full(len(series), True) if f.group is None else groups == f.group for f in free]
     starts = [abs(parameters[slots[f.name]].start) for f in free]

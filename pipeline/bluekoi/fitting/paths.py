@@ -26,10 +26,10 @@ from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import map_ranges_in_threads, simulate_batch
 from .bounded_step import bounded_step
 from .gram import compute_column_products
-from .joint_fit import CONVERGED, STALLED, ParameterFit, free_definitions
+from .joint_fit import CONVERGED, STALLED, ParameterFit, free_parameter_definitions
 from .normal import NormalEquationsByTrial
 from .padded import PaddedTrials, padded_trials
-from .predictions import slots_by_name
+from .predictions import parameter_index_by_name
 from .series import FreeParameter, TrialSeries
 
 PREDICTION_ERRORS, TRAJECTORIES = "prediction errors", "trajectories"
@@ -37,12 +37,12 @@ PREDICTION_ERRORS, TRAJECTORIES = "prediction errors", "trajectories"
 MAX_TRAJECTORY_PARAMETERS = LANES - 1
 """Starting states and parameters of a trial: each has a lane beside that of the simulation at the
 point itself."""
-START_STATE_DIFFERENCE = 1e-4
+START_STATE_DIFFERENCE_STEP = 1e-4
 FIT_HORIZON_SHARES, COARSE_ITERATIONS = (0.25, 0.5, 1.0), 6
 """First a quarter of each trial is fitted, then half, at most so many rounds, in longer steps of
 the integrator, then all of it: a model that would run away from a rough start is led to a fine
 one."""
-TRIALS_PER_CALL = 64
+TRIALS_PER_SIMULATION_BATCH = 64
 """Trials simulated in one call: more would not stay in the processor's cache."""
 
 
@@ -98,7 +98,7 @@ def fit_trajectories(
 
     Raises: ValueError where a trial has more numbers than lanes.
     """
-    slots = slots_by_name(kernel)
+    slots = parameter_index_by_name(kernel)
     bounds = [kernel.system.parameters[slots[f.name]] for f in free]
     limits = np.array([[p.lower for p in bounds], [p.upper for p in bounds]])
     x = np.array([(start or {}).get(f.label, base[slots[f.name]]) for f in free])
@@ -106,12 +106,12 @@ def fit_trajectories(
     problem = padded_trials(kernel, series, base, free, open_states)
     for share in shares:
         whole = share == shares[-1]
-        at = _minimise_from(problem.first_part(share), at, limits,
+        at = _minimise_from(problem.first_share_of_trials(share), at, limits,
                             iterations=iterations if whole else COARSE_ITERATIONS,
                             tolerance=tolerance if whole else 1.0)  # fmt: skip
     normal, _ = _eliminate_starting_states(at.blocks, 0.0)
     found = ParameterFit(tuple(free), at.x, normal, at.outcome, at.count,
-                         free_definitions(kernel.system, free))  # fmt: skip
+                         free_parameter_definitions(kernel.system, free))  # fmt: skip
     return TrajectoryFit(found, at.starts)
 
 
@@ -142,7 +142,7 @@ def _minimise_from(
         starts = at.starts.copy()
         shift = to_start[0] @ (x - at.x) + to_start[1]
         starts[:, : problem.open_states] += shift
-        if _is_small(at.blocks, x - at.x, shift, tolerance):
+        if _is_small_step(at.blocks, x - at.x, shift, tolerance):
             return replace(at, outcome=CONVERGED)
         blocks = _block_normal_equations(problem, x, starts)
         if blocks.finite and blocks.cost.sum() <= at.blocks.cost.sum():
@@ -152,7 +152,9 @@ def _minimise_from(
     return at
 
 
-def _is_small(blocks: _BlockNormalEquations, change: Float, shift: Float, tolerance: float) -> bool:
+def _is_small_step(
+    blocks: _BlockNormalEquations, change: Float, shift: Float, tolerance: float
+) -> bool:
     """Whether a step moves nothing by more than `tolerance` of its deviation, starts included."""
     moved = change @ blocks.common.sum(axis=0) @ change
     moved += 2.0 * np.einsum("p,tps,ts->", change, blocks.mixed, shift)
@@ -165,14 +167,14 @@ def _block_normal_equations(
 ) -> _BlockNormalEquations:
     """`_BlockNormalEquations` at a point, from batches of simulations."""
     n = problem.open_states
-    size = np.concatenate([np.full(n, START_STATE_DIFFERENCE),
+    size = np.concatenate([np.full(n, START_STATE_DIFFERENCE_STEP),
                            1e-4 * np.maximum(np.abs(x), problem.least_step)])  # fmt: skip
     with np.errstate(all="ignore"):  # a run that goes away has no finite cost and is not taken
         parts = [
             _residual_and_jacobian_products(
-                problem, slice(first, first + TRIALS_PER_CALL), x, size, starts=starts
+                problem, slice(first, first + TRIALS_PER_SIMULATION_BATCH), x, size, starts=starts
             )
-            for first in range(0, len(starts), TRIALS_PER_CALL)
+            for first in range(0, len(starts), TRIALS_PER_SIMULATION_BATCH)
         ]
     products = np.concatenate(parts)
     H, g = products[:, 1:, 1:] / np.outer(size, size), products[:, 0, 1:] / size
@@ -189,7 +191,7 @@ def _residual_and_jacobian_products(
     """Products (t, 1 + s, 1 + s) of errors and of differences `size` of some trials: one call."""
     count = problem.open_states
     state = np.repeat(starts[trials, :, None], LANES, axis=2)
-    state[:, range(count), range(1, count + 1)] += START_STATE_DIFFERENCE
+    state[:, range(count), range(1, count + 1)] += START_STATE_DIFFERENCE_STEP
     values = np.empty((len(state), len(problem.base), LANES))
     values[:] = problem.base[:, None]
     for k, (slot, own) in enumerate(problem.own):

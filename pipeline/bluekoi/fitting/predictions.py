@@ -13,7 +13,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import map_ranges_in_threads, simulate_batch
-from .filtering import MAX_FILTER_STEP_S, FilterResults, values_with_noise_switched_on
+from .filtering import MAX_FILTER_STEP_S, FilterResults, parameters_with_random_effects_on
 from .gram import add_whitened_column_products
 from .series import FreeParameter, Noise
 
@@ -38,24 +38,24 @@ class ParameterChange:
     offsets: Mapping[int, float] = field(default_factory=dict)
 
 
-def slots_by_name(kernel: CompiledSystem) -> dict[str, int]:
+def parameter_index_by_name(kernel: CompiledSystem) -> dict[str, int]:
     """Place of every parameter by name."""
-    return kernel.system.slot
+    return kernel.system.parameter_index
 
 
-def difference_step(kernel: CompiledSystem, free: FreeParameter, value: float) -> float:
+def finite_difference_step(kernel: CompiledSystem, free: FreeParameter, value: float) -> float:
     """Size of the difference in a free number, away from its upper bound.
 
     A share `RELATIVE_FINITE_DIFFERENCE_STEP` of the number, or of a twentieth of its plausible
     magnitude.
     """
-    parameter = kernel.system.parameters[slots_by_name(kernel)[free.name]]
-    typical = parameter.typical if np.isfinite(parameter.typical) else 0.0
+    parameter = kernel.system.parameters[parameter_index_by_name(kernel)[free.name]]
+    typical = parameter.typical_magnitude if np.isfinite(parameter.typical_magnitude) else 0.0
     step = RELATIVE_FINITE_DIFFERENCE_STEP * max(abs(value), 0.05 * typical, 1e-6)
     return -step if value + step > parameter.upper else step
 
 
-def whitened_products(
+def whitened_gram_matrices(
     kernel: CompiledSystem,
     passes: FilterResults,
     points: Sequence[Float],
@@ -72,7 +72,7 @@ def whitened_products(
     counts = own.sum(axis=1)
     first = np.cumsum([0, *np.maximum(1, -(-counts // CHANGES_PER_BLOCK))])
     trials = np.repeat(np.arange(len(passes)), np.diff(first))
-    full = values_with_noise_switched_on(kernel, np.array(points).T, noise).T
+    full = parameters_with_random_effects_on(kernel, np.array(points).T, noise).T
     values = np.repeat(full[trials][:, :, None], LANES, axis=2)
     column = np.cumsum(own, axis=1) - 1
     places = np.zeros((len(passes), 1 + int(counts.max(initial=0))), dtype=np.int64)
@@ -86,7 +86,15 @@ def whitened_products(
             values[first[having] + block, slot, lane + 1] += offset
     observed = _predicted_observations(kernel, passes, values, trials)
     out = np.zeros((len(passes), len(steps), len(steps)))
-    given = (observed, passes.seen, passes.roots, passes.frames, first, places, 1 + counts)
+    given = (
+        observed,
+        passes.padded_observations,
+        passes.inverse_innovation_cholesky,
+        passes.frame_counts,
+        first,
+        places,
+        1 + counts,
+    )
     map_ranges_in_threads(
         lambda *ends: add_whitened_column_products(*given, ends, out), len(passes)
     )
@@ -109,7 +117,7 @@ def _predicted_observations(
         kernel, np.repeat(mean[:, :, None], LANES, axis=2), values,
         np.repeat(constants[:, :, None], LANES, axis=2),
         times=of_blocks(passes.times), inputs=of_blocks(passes.inputs),
-        frames=of_blocks(passes.frames), seen=of_blocks(passes.seen),
+        frames=of_blocks(passes.frame_counts), seen=of_blocks(passes.padded_observations),
         gains=of_blocks(passes.gains), step_s=kernel.system.longest_step_s(MAX_FILTER_STEP_S),
     )  # fmt: skip
     return observed

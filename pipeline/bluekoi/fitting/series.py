@@ -48,7 +48,7 @@ class TrialSeries:
     shared: SharedMeasurement | None = None
     force_size: float = 1.0
 
-    def frames(self, first: int, last: int) -> TrialSeries:
+    def slice_frames(self, first: int, last: int) -> TrialSeries:
         """Frames `first` to `last` (excluded) of the trial, with the same start."""
         part = slice(first, last)
         return replace(self, times=self.times[part], inputs=self.inputs[part],

@@ -17,9 +17,9 @@ from ..integrate import CompiledSystem, Effect, System
 from ..integrate.system import Function
 from .series import FreeParameter, SharedMeasurement, TrialSeries
 
-NO_INFORMATION = (0.0, np.inf)
+UNINFORMATIVE_VALUE_AND_STD = (0.0, np.inf)
 """A side measurement without information."""
-DIFFERENCE_SHARE_OF_RANGE = 1e-4
+FINITE_DIFFERENCE_SHARE_OF_RANGE = 1e-4
 """Difference by which slopes of predictions are taken, as a share of a parameter's range."""
 
 
@@ -34,12 +34,12 @@ def side_measurement_terms(
     """
     n, p = len(series), len(free)
     hessian, gradient, logl = np.zeros((n, p, p)), np.zeros((n, p)), np.zeros(n)
-    slots = np.array([kernel.system.slot[f.name] for f in free], dtype=int)
+    slots = np.array([kernel.system.parameter_index[f.name] for f in free], dtype=int)
     own = np.array([[f.group in (None, s.group) for f in free] for s in series]).reshape(n, p)
     names = sorted({name for s in series for name in s.evidence})
-    at = (np.array(points), trial_arguments(series)) if names else ()
+    at = (np.array(points), mean_inputs_and_constants(series)) if names else ()
     for name in names:
-        value, std = np.array([s.evidence.get(name, NO_INFORMATION) for s in series]).T
+        value, std = np.array([s.evidence.get(name, UNINFORMATIVE_VALUE_AND_STD) for s in series]).T
         found, slopes = predict_side_measurement(kernel.system, name, *at)
         error = (value - found) / std
         rows = slopes[:, slots] * own / std[:, None]
@@ -49,20 +49,22 @@ def side_measurement_terms(
         logl[known] -= 0.5 * error[known] ** 2 + np.log(std[known]) + 0.5 * np.log(2 * np.pi)
     for shared in {s.shared for s in series if s.shared is not None}:
         rows = np.array([s.shared is shared for s in series])
-        H, g, value = _shared_terms(kernel.system, shared, slots, points[int(np.argmax(rows))])
+        H, g, value = _shared_measurement_terms(
+            kernel.system, shared, slots, points[int(np.argmax(rows))]
+        )
         hessian[rows] += H / shared.trials
         gradient[rows] += g / shared.trials
         logl[rows] += value / shared.trials
     return hessian, gradient, logl
 
 
-def _shared_terms(
+def _shared_measurement_terms(
     system: System, shared: SharedMeasurement, slots: np.ndarray, point: Float
 ) -> tuple[Float, Float, float]:
     """Information (p, p), gradient (p,) and log likelihood of a shared measurement, with e its
     errors and J their slopes in the free numbers at `slots` (p,): J'J, -J'e and -1/2 e'e.
     """
-    places = np.array([system.slot[name] for name in shared.parameters])
+    places = np.array([system.parameter_index[name] for name in shared.parameters])
     values = point[places]
     error = shared.errors(values)
     J = np.zeros((len(error), len(slots)))
@@ -70,13 +72,15 @@ def _shared_terms(
         columns = np.flatnonzero(slots == place)
         if len(columns):
             row = system.parameters[place]
-            step = DIFFERENCE_SHARE_OF_RANGE * (row.upper - row.lower) * np.eye(len(values))[k]
+            step = (
+                FINITE_DIFFERENCE_SHARE_OF_RANGE * (row.upper - row.lower) * np.eye(len(values))[k]
+            )
             slope = shared.errors(values + step) - shared.errors(values - step)
             J[:, columns] = (slope / (2 * step[k]))[:, None]
     return J.T @ J, -J.T @ error, -0.5 * float(error @ error)
 
 
-def trial_arguments(series: Sequence[TrialSeries]) -> Float:
+def mean_inputs_and_constants(series: Sequence[TrialSeries]) -> Float:
     """Means of the inputs and of the time in the trials, and their constants (t, inputs + 1 +
     constants).
     """
@@ -95,7 +99,9 @@ def predict_side_measurement(
         function = effect.evidence.get(name)
         if callable(function):
             at = _prediction_arguments(system, effect, function, points, arguments)
-            added, by_parameter = _nonlinear_part(system, effect.name, name, function, at.tobytes())
+            added, by_parameter = _nonlinear_prediction_part(
+                system, effect.name, name, function, at.tobytes()
+            )
             value += added
             for slot, slope in by_parameter.items():
                 slopes[:, slot] += slope
@@ -103,7 +109,7 @@ def predict_side_measurement(
 
 
 @lru_cache(maxsize=256)
-def _nonlinear_part(
+def _nonlinear_prediction_part(
     system: System, effect_name: str, name: str, function: Function, rows: bytes
 ) -> tuple[Float, dict[int, Float]]:
     """What an effect's function adds to a prediction (t,), and its slopes (t,) by the place of the
@@ -114,11 +120,15 @@ def _nonlinear_part(
     names = list(inspect.signature(function).parameters)
     at = np.frombuffer(rows).reshape(-1, len(names))
     slopes = {}
-    for row in (p for p in effect.parameters if p.name in effect.informs[name]):
+    for row in (
+        p for p in effect.parameters if p.name in effect.parameters_by_auxiliary_measurement[name]
+    ):
         step = np.zeros(len(names))
-        step[names.index(row.argument)] = DIFFERENCE_SHARE_OF_RANGE * (row.upper - row.lower)
+        step[names.index(row.argument_name)] = FINITE_DIFFERENCE_SHARE_OF_RANGE * (
+            row.upper - row.lower
+        )
         change = _evaluate_rows(function, at + step) - _evaluate_rows(function, at - step)
-        slopes[system.slot[f"{effect.name}.{row.name}"]] = change / (2 * step.sum())
+        slopes[system.parameter_index[f"{effect.name}.{row.name}"]] = change / (2 * step.sum())
     return _evaluate_rows(function, at), slopes
 
 
@@ -128,7 +138,10 @@ def _prediction_arguments(
     """Arguments (t, arguments) of a prediction: parameters of the effect, inputs, the time t and
     constants.
     """
-    slots = {p.argument: system.slot[f"{effect.name}.{p.name}"] for p in effect.parameters}
+    slots = {
+        p.argument_name: system.parameter_index[f"{effect.name}.{p.name}"]
+        for p in effect.parameters
+    }
     names = (*system.inputs, "t", *system.constants)
     return np.column_stack([
         points[:, slots[a]] if a in slots else arguments[:, names.index(a)]
@@ -148,5 +161,5 @@ def _linear_weights(system: System, name: str) -> Float:
         by = effect.evidence.get(name, {})
         if not callable(by):
             for parameter, weight in by.items():
-                weights[system.slot[f"{effect.name}.{parameter}"]] += weight
+                weights[system.parameter_index[f"{effect.name}.{parameter}"]] += weight
     return weights

@@ -15,7 +15,12 @@ import numpy as np
 from ..data import Float
 from ..integrate import CompiledSystem
 from .filtering import FilterResults
-from .predictions import ParameterChange, difference_step, slots_by_name, whitened_products
+from .predictions import (
+    ParameterChange,
+    finite_difference_step,
+    parameter_index_by_name,
+    whitened_gram_matrices,
+)
 from .series import FreeParameter, Noise
 
 NEWTON_STEPS = 2
@@ -37,20 +42,20 @@ NO_EFFECTS = MostProbableTrialEffects(np.zeros((1, 0)), np.zeros((1, 0, 1)))
 """Of a model without such effects."""
 
 
-def marginal_products_at_effects(
+def marginal_gram_matrices_at_effects(
     kernel: CompiledSystem, passes: FilterResults, points: Sequence[Float],
     changes: Sequence[ParameterChange], *, noise: Noise, effects: Float | None = None,
 ) -> tuple[Float, Float, MostProbableTrialEffects]:  # fmt: skip
-    """Marginal products and constants, as `marginal_products`, at full parameter vectors, one a
-    trial, linearised about `effects` (t, q) or, without, the most probable ones there.
+    """Marginal products and constants, as `marginal_gram_matrices`, at full parameter vectors, one
+    a trial, linearised about `effects` (t, q) or, without, the most probable ones there.
     """
     stds = _effect_stds(points, noise)
     if effects is None:
         effects = most_probable_trial_effects(kernel, passes, points, noise)
-    more = [*changes, *trial_effect_changes(kernel, points, noise)]
+    more = [*changes, *trial_effect_parameter_changes(kernel, points, noise)]
     at = parameter_vectors_with_trial_effects(kernel, points, effects, noise)
-    products = whitened_products(kernel, passes, at, more, noise)
-    return marginal_products(_products_without_trial_effects(products, effects), stds)
+    products = whitened_gram_matrices(kernel, passes, at, more, noise)
+    return marginal_gram_matrices(_gram_matrices_at_zero_effects(products, effects), stds)
 
 
 def most_probable_trial_effects(
@@ -61,11 +66,13 @@ def most_probable_trial_effects(
     if not noise.trial_effects:
         return found
     stds = _effect_stds(points, noise)
-    changes = trial_effect_changes(kernel, points, noise)
+    changes = trial_effect_parameter_changes(kernel, points, noise)
     for _ in range(NEWTON_STEPS):
         at = parameter_vectors_with_trial_effects(kernel, points, found, noise)
-        products = whitened_products(kernel, passes, at, changes, noise)
-        found = marginal_products(_products_without_trial_effects(products, found), stds)[2].values
+        products = whitened_gram_matrices(kernel, passes, at, changes, noise)
+        found = marginal_gram_matrices(_gram_matrices_at_zero_effects(products, found), stds)[
+            2
+        ].values
     return found
 
 
@@ -78,7 +85,7 @@ def parameter_vectors_with_trial_effects(
     kernel: CompiledSystem, points: Sequence[Float], effects: Float, noise: Noise
 ) -> list[Float]:
     """Full parameter vectors, one a trial, with the effects (t, q) of each added."""
-    slots = [slots_by_name(kernel)[e.parameter] for e in noise.trial_effects]
+    slots = [parameter_index_by_name(kernel)[e.parameter] for e in noise.trial_effects]
     out = np.array(points)
     out[:, slots] += effects
     return list(out)
@@ -92,7 +99,7 @@ def sample_trial_effects(known: Float, trials: Sequence[str], rng: np.random.Gen
     return np.array([drawn[name] for name in trials])
 
 
-def _products_without_trial_effects(products: Float, effects: Float) -> Float:
+def _gram_matrices_at_zero_effects(products: Float, effects: Float) -> Float:
     """Products (t, n, n) whose errors e, found at effects b, are those without: e + Z b."""
     q = effects.shape[1]
     if q == 0:
@@ -103,24 +110,24 @@ def _products_without_trial_effects(products: Float, effects: Float) -> Float:
     return out
 
 
-def trial_effect_changes(
+def trial_effect_parameter_changes(
     kernel: CompiledSystem, points: Sequence[Float], noise: Noise
 ) -> list[ParameterChange]:
     """Differences in the parameters that vary from trial to trial."""
-    every, slots = np.ones(len(points), dtype=bool), slots_by_name(kernel)
+    every, slots = np.ones(len(points), dtype=bool), parameter_index_by_name(kernel)
     out = []
     for effect in noise.trial_effects:
         slot = slots[effect.parameter]
         free = FreeParameter(effect.parameter)
         out.append(
             ParameterChange(
-                difference_step(kernel, free, float(points[0][slot])), every, {slot: 1.0}
+                finite_difference_step(kernel, free, float(points[0][slot])), every, {slot: 1.0}
             )
         )
     return out
 
 
-def marginal_products(
+def marginal_gram_matrices(
     products: Float, stds: Float
 ) -> tuple[Float, Float, MostProbableTrialEffects]:
     """Products (t, n, n) of columns of which the last q have normal coefficients, integrated out.

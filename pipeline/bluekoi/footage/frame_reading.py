@@ -12,10 +12,10 @@ import av.error
 import numpy as np
 
 from ..data import Frame, sample_evenly
-from .image_recording import image_frames
+from .image_sequence import image_sequence_frames
 from .luma_planes import Luma, luma_plane
 from .prefetch import MIN_BUFFERED_ITEMS, Prefetcher
-from .recording import IMAGES_CODEC, Recording
+from .recording import IMAGE_SEQUENCE_CODEC, Recording
 from .video_probe import open_container, video_stream
 
 TIME_TOLERANCE_S = 1e-6
@@ -77,8 +77,8 @@ def frames(
 def _iterate_frames(
     recording: Recording, colour: bool, ready: dict[int, Any], bgr_size: Size | None = None
 ) -> Iterator[Frame]:
-    if recording.codec == IMAGES_CODEC:
-        yield from image_frames(recording, colour=colour, bgr_size=bgr_size)
+    if recording.codec == IMAGE_SEQUENCE_CODEC:
+        yield from image_sequence_frames(recording, colour=colour, bgr_size=bgr_size)
         return
     last = -np.inf
     for index, (time_s, picture) in enumerate(_timed_pictures(recording, ready)):
@@ -104,8 +104,8 @@ def evenly_spaced_frames(
     Where there are more, up to `at_most` are taken. Of a recording with fewer key frames than
     `count`, some of all, each of which is decoded.
     """
-    if recording.codec == IMAGES_CODEC:
-        yield from image_frames(recording, colour=False, count=max(count, at_most))
+    if recording.codec == IMAGE_SEQUENCE_CODEC:
+        yield from image_sequence_frames(recording, colour=False, count=max(count, at_most))
         return
     ready = {} if ready is None else ready
     keys = [(i, key) for i, stamps in enumerate(recording.key_stamps) for key in stamps]

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from .mp4_boxes import NESTED_TYPE, gpmf_items
+from .mp4_boxes import GPMF_NESTED_TYPE, gpmf_items
 from .video_probe import open_container
 
-GOPRO_HANDLER = "GoPro MET"
+GPMF_HANDLER_NAME = "GoPro MET"
 MAX_PAYLOAD_BYTES = 2**20
 
 
@@ -25,7 +25,9 @@ def camera_seconds_per_footage_second(path: Path) -> float | None:
     """Seconds on the camera's clock per second of footage shown; None without telemetry."""
     with open_container(path) as container:
         tracks = [
-            s for s in container.streams.data if GOPRO_HANDLER in s.metadata.get("handler_name", "")
+            s
+            for s in container.streams.data
+            if GPMF_HANDLER_NAME in s.metadata.get("handler_name", "")
         ]
         if not tracks:
             return None
@@ -59,4 +61,6 @@ def _sensor_timestamps(path: Path, entry: Any) -> dict[str, int]:
 
 
 def _nested_gpmf_items(body: bytes, wanted: bytes) -> Iterator[bytes]:
-    return (value for key, kind, value in gpmf_items(body) if key == wanted and kind == NESTED_TYPE)
+    return (
+        value for key, kind, value in gpmf_items(body) if key == wanted and kind == GPMF_NESTED_TYPE
+    )

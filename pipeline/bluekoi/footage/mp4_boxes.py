@@ -17,7 +17,7 @@ TOP_LEVEL_BOXES = (b"ftyp", b"moov", b"mdat", b"free", b"wide", b"skip", b"pnot"
 """Boxes that an mp4 file may begin with."""
 MAX_HEADER_BYTES = 64 * 2**20
 MAX_BOX_DEPTH = 8
-NESTED_TYPE = 0
+GPMF_NESTED_TYPE = 0
 """Type of a telemetry entry that contains others."""
 
 
@@ -125,4 +125,4 @@ def gpmf_items(body: bytes, *, into_nested: bool = False) -> Iterator[tuple[byte
         key, kind, size, repeat = struct.unpack(">4sBBH", body[at : at + 8])
         length = size * repeat
         yield key, kind, body[at + 8 : at + 8 + length]
-        at += 8 if into_nested and kind == NESTED_TYPE else 8 + (length + 3) // 4 * 4
+        at += 8 if into_nested and kind == GPMF_NESTED_TYPE else 8 + (length + 3) // 4 * 4

@@ -11,7 +11,7 @@ from PIL import Image
 from PIL.ExifTags import Base
 
 Size = tuple[int, int]
-FIRST_TURNED_ORIENTATION = 5
+FIRST_TRANSPOSED_EXIF_ORIENTATION = 5
 """Orientation in a picture's Exif data from which width and height are exchanged."""
 MAX_LISTED_PICTURES = 3
 """Pictures that a remark names; it counts the others."""
@@ -22,7 +22,7 @@ def picture_size_px(path: Path) -> Size | None:
     try:
         with Image.open(path) as picture:
             exif = picture.getexif() if "exif" in picture.info else {}
-            turned = exif.get(Base.Orientation, 1) >= FIRST_TURNED_ORIENTATION
+            turned = exif.get(Base.Orientation, 1) >= FIRST_TRANSPOSED_EXIF_ORIENTATION
             return picture.size[::-1] if turned else picture.size
     except Exception:  # a damaged header raises errors of many kinds
         found = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
@@ -41,14 +41,17 @@ def unused_picture_remarks(
     other = [(path, size) for path, size in zip(paths, sizes, strict=True)
            if size is not None and size != usual]  # fmt: skip
     if other:
-        names = _listed([f"{path.name} ({_size_text(size)})" for path, size in other])
+        names = _abbreviated_name_list(
+            [f"{path.name} ({_size_text(size)})" for path, size in other]
+        )
         found.append(
             f"{_count_of_pictures_text(len(other), len(paths))} not used, expected "
             f"{_size_text(usual)} as in most of them: {names}"
         )
     if broken := [path.name for path, size in zip(paths, sizes, strict=True) if size is None]:
         found.append(
-            f"{_count_of_pictures_text(len(broken), len(paths))} not readable: {_listed(broken)}"
+            f"{_count_of_pictures_text(len(broken), len(paths))} not readable: "
+            f"{_abbreviated_name_list(broken)}"
         )
     return tuple(size == usual for size in sizes), tuple(found)
 
@@ -61,7 +64,7 @@ def _count_of_pictures_text(count: int, of: int) -> str:
     return f"{count} of {of} pictures {'is' if count == 1 else 'are'}"
 
 
-def _listed(names: Sequence[str]) -> str:
+def _abbreviated_name_list(names: Sequence[str]) -> str:
     """The first names, and how many more there are."""
     more = len(names) - MAX_LISTED_PICTURES
     shown = ", ".join(names[:MAX_LISTED_PICTURES])

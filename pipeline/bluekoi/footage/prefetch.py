@@ -54,11 +54,11 @@ class Prefetcher(Generic[T]):
         """End the thread; no item comes after."""
         self._stop.set()
         while self._thread.is_alive():
-            self._drop()
+            self._discard_buffered_items()
             self._thread.join(JOIN_TIMEOUT_S)
-        self._drop()
+        self._discard_buffered_items()
 
-    def _drop(self) -> None:
+    def _discard_buffered_items(self) -> None:
         while True:
             try:
                 self._buffer.get_nowait()

@@ -14,9 +14,9 @@ from .luma_planes import Luma
 from .mp4_boxes import ContainerBoxes, read_container_boxes
 from .video_probe import VideoProperties, video_properties
 
-MAX_FILE_CLOCK_DIFFERENCE_SHARE = 0.02
+MAX_TELEMETRY_CLOCK_DIFFERENCE_SHARE = 0.02
 """Relative difference of two clocks of a recording above which it is reported."""
-IMAGES_CODEC = "images"
+IMAGE_SEQUENCE_CODEC = "images"
 """Codec of a recording whose frames are picture files."""
 GOPRO_STRETCHED_MODES = {"S": "SuperView", "H": "HyperView"}
 """Code of a GoPro's lens mode -> name, for those that stretch the picture by an unknown law."""
@@ -59,7 +59,7 @@ class Recording:
         return self.frames_present / (self.fps or self.nominal_fps)
 
     @property
-    def frames_in_part(self) -> int:
+    def frame_count_in_part(self) -> int:
         """Number of the frames from start_s to end_s, by their rate."""
         end_s = min(self.end_s or self.duration_s, self.duration_s)
         return round((end_s - (self.start_s or 0.0)) * (self.fps or self.nominal_fps))
@@ -78,10 +78,10 @@ def open_recording(
     stretched lens mode or a time-lapse, of another size than its fellows, or where a chapter is
     missing.
     """
-    from .image_recording import all_are_images, open_images  # noqa: PLC0415  which needs `Recording`
+    from .image_sequence import all_are_images, open_image_sequence  # noqa: PLC0415  which needs `Recording`
 
     if all_are_images(paths):
-        return open_images(paths, fps=fps, start_s=start_s, end_s=end_s)
+        return open_image_sequence(paths, fps=fps, start_s=start_s, end_s=end_s)
     ordered = sort_chapters([Path(path) for path in paths])
     probes = [_probe_checked(path, fps) for path in ordered]
     _check_same_format(ordered, probes)
@@ -166,7 +166,7 @@ def _check_frame_rate(path: Path, found: VideoProperties, fps: float | None) -> 
 def _check_telemetry_clock(path: Path) -> None:
     """InputError if the clock in a GoPro's telemetry ran faster than the footage."""
     ran = camera_seconds_per_footage_second(path)
-    if ran is not None and abs(ran - 1) > MAX_FILE_CLOCK_DIFFERENCE_SHARE:
+    if ran is not None and abs(ran - 1) > MAX_TELEMETRY_CLOCK_DIFFERENCE_SHARE:
         raise input_error(
             path,
             "frame rate",

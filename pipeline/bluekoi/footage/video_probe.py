@@ -22,7 +22,7 @@ MIN_LISTED_FRAMES_SHARE = 0.5
 MAX_DURATION_ROUNDING_FRAMES = (
     3  # frames that a duration in milliseconds and a mean rate may be off by
 )
-CUT_SHORT = "cut short"
+TRUNCATED_FILE_REMARK = "cut short"
 """First words of the remark on a file that holds fewer frames than it declares."""
 MAX_REORDERED_FRAMES = 4.5  # encoders that reorder frames write an edit list of up to this many
 
@@ -206,8 +206,8 @@ def _probe_remarks(
     found = []
     if present < declared or (boxes is not None and boxes.cut and present == declared):
         found.append(
-            f"{CUT_SHORT}: {present} of {declared} declared frames are in the file; the readable "
-            "ones are used"
+            f"{TRUNCATED_FILE_REMARK}: {present} of {declared} declared frames are in the file; "
+            "the readable ones are used"
         )
     if rotation:
         found.append(_rotation_remark(rotation))

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-_MATH_OF_ARRAYS = SimpleNamespace(
+_NUMPY_MATH_NAMESPACE = SimpleNamespace(
     sqrt=np.sqrt, exp=np.exp, log=np.log, sin=np.sin, cos=np.cos, tanh=np.tanh,
     atan2=np.arctan2, hypot=np.hypot, pi=math.pi,
 )  # fmt: skip
@@ -28,7 +28,7 @@ def elementwise(function: Callable[..., Any]) -> Callable[..., Any]:
         called = names.get(name)
         if isinstance(called, FunctionType):
             names[name] = elementwise(called)
-    names |= {"min": _elementwise_min, "max": _elementwise_max, "math": _MATH_OF_ARRAYS}
+    names |= {"min": _elementwise_min, "max": _elementwise_max, "math": _NUMPY_MATH_NAMESPACE}
     return FunctionType(function.__code__, names, function.__name__, function.__defaults__)
 
 

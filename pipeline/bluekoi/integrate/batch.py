@@ -29,7 +29,7 @@ def active_effects(system: System, values: Float) -> np.ndarray:
     ]
 
 
-def active_effects_by_row(system: System, values: Float) -> np.ndarray:
+def active_effects_by_parameter_vector(system: System, values: Float) -> np.ndarray:
     """Which effects each of the parameter vectors (n, parameters) uses, uint8 (n, effects)."""
     return _active_effects_by_block(system, values[:, :, None])
 
@@ -38,7 +38,7 @@ def _active_effects_by_block(system: System, values: Float) -> np.ndarray:
     """Which effects each block of parameter vectors (blocks, parameters, n) uses, uint8 (blocks,
     effects).
     """
-    slots, first = system.strength_slots
+    slots, first = system.strength_parameter_indices
     ends = np.append(first[1:], len(slots)) if len(slots) else first
     out = np.zeros((len(values), len(first)), dtype=np.uint8)
     _mark_active_effects(np.ascontiguousarray(values, dtype=np.float64), slots, first, ends, out)
@@ -128,7 +128,7 @@ def threaded_map(function: Callable[[Any], Any], items: Sequence[Any]) -> list[A
     def take() -> None:
         _thread_state.one = True
         try:
-            while (one := _take_next_index(todo)) is not None:
+            while (one := _pop_next_item(todo)) is not None:
                 found[one[0]] = function(one[1])
         finally:
             _thread_state.one = False
@@ -145,7 +145,7 @@ def threaded_map(function: Callable[[Any], Any], items: Sequence[Any]) -> list[A
     return found
 
 
-def _take_next_index(todo: deque[tuple[int, Any]]) -> tuple[int, Any] | None:
+def _pop_next_item(todo: deque[tuple[int, Any]]) -> tuple[int, Any] | None:
     try:
         return todo.popleft()
     except IndexError:

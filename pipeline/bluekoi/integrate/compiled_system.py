@@ -1,10 +1,11 @@
 """Compiled right-hand side, integrator and filter of a system, sixteen simulations at a time.
 
-The functions of a system and its effects are put together into source files (`writing`), named
-after the hash of all sources that go into them, and compiled by numba with its cache when they are
-first asked for: a changed effect gives a new file, an unchanged one is loaded. Everything a
-simulation needs lies in one flat array of rows of 16 lanes (16 simulations), at offsets that are
-constants of the source, so that each loop over lanes becomes vector instructions.
+The functions of a system and its effects are put together into source files
+(`kernel_code_generation`), named after the hash of all sources that go into them, and compiled by
+numba with its cache when they are first asked for: a changed effect gives a new file, an unchanged
+one is loaded. Everything a simulation needs lies in one flat array of rows of 16 lanes (16
+simulations), at offsets that are constants of the source, so that each loop over lanes becomes
+vector instructions.
 """
 
 from __future__ import annotations
@@ -27,10 +28,10 @@ import numpy as np
 from ..errors import input_error
 from ..files import write_text
 from . import branchless
-from .dependence import STOCHASTIC_EFFECT_KIND
-from .rows import LANES
+from .kernel_code_generation import kernel_source
+from .row_layout import LANES
+from .stage_dependencies import STOCHASTIC_EFFECT_KIND
 from .system import Function, System
-from .writing import kernel_source
 
 __all__ = ["LANES", "CompiledSystem", "compile_system"]
 
@@ -64,15 +65,15 @@ class CompiledSystem:
 
     def propagate(self, *given: Any) -> None:
         """Simulate; arguments as in `kernel_template.txt`, `on` the ninth."""
-        self._of(given[8]).propagate(*given)
+        self._kernel_for_active_effects(given[8]).propagate(*given)
 
     def kalman(self, *given: Any) -> float:
         """Log likelihood of one trial; arguments as in `kernel_template.txt`, `on` the 13th."""
-        return self._of(given[12]).kalman(*given)
+        return self._kernel_for_active_effects(given[12]).kalman(*given)
 
-    def _of(self, on: np.ndarray) -> _KernelFunctions:
+    def _kernel_for_active_effects(self, on: np.ndarray) -> _KernelFunctions:
         """The kernel for the effects that are on."""
-        return self._general if on[self._deterministic_effects].any() else self._fast
+        return self._general_kernel if on[self._deterministic_effects].any() else self._fast_kernel
 
     @cached_property
     def _deterministic_effects(self) -> np.ndarray:
@@ -80,11 +81,11 @@ class CompiledSystem:
         return np.array([e.kind != STOCHASTIC_EFFECT_KIND for e in self.system.effects], dtype=bool)
 
     @cached_property
-    def _fast(self) -> _KernelFunctions:
+    def _fast_kernel(self) -> _KernelFunctions:
         return _load_compiled(self.system, False)
 
     @cached_property
-    def _general(self) -> _KernelFunctions:
+    def _general_kernel(self) -> _KernelFunctions:
         return _load_compiled(self.system, True)
 
 
@@ -97,10 +98,10 @@ def compile_system(system: System) -> CompiledSystem:
 @lru_cache(maxsize=64)
 def _load_compiled(system: System, general: bool) -> _KernelFunctions:
     with _LOADING_LOCK:
-        return _write_and_load(system, general)
+        return _write_and_load_kernel(system, general)
 
 
-def _write_and_load(system: System, general: bool) -> _KernelFunctions:
+def _write_and_load_kernel(system: System, general: bool) -> _KernelFunctions:
     """A kernel written, where it was not yet, and loaded."""
     text = kernel_source(system, general=general)
     digest = hashlib.sha256(text.encode())
@@ -148,11 +149,11 @@ def load_source(name: str, path: Path) -> ModuleType:
     return module
 
 
-def _all_functions(system: System) -> list[Function]:
+def _stage_and_effect_functions(system: System) -> list[Function]:
     base = [stage.function for stage in system.stages if stage.function]
     own = [f for e in system.effects for f in (*e.hooks.values(), *([e.rates] if e.rates else []))]
     return base + own
 
 
 def _source_files(system: System) -> set[str]:
-    return {inspect.getfile(f) for f in _all_functions(system)} | {branchless.__file__}
+    return {inspect.getfile(f) for f in _stage_and_effect_functions(system)} | {branchless.__file__}

@@ -22,7 +22,7 @@ import numpy as np
 
 Function = Callable[..., Any]
 
-COMPILED_FUNCTIONS: dict[Any, tuple[str, ...]] = {
+NUMBA_BUILTIN_FUNCTIONS: dict[Any, tuple[str, ...]] = {
     builtins: ("abs", "min", "max"),
     math: ("sqrt", "exp", "log", "sin", "cos", "tanh", "atan2", "hypot"),
     np: ("floor",),
@@ -38,7 +38,7 @@ class InlinedCode:
     called: dict[str, Function] = field(default_factory=dict)
     names: int = 0
 
-    def hold(self, value: ast.expr, name: str) -> ast.expr:
+    def assign_to_temporary(self, value: ast.expr, name: str) -> ast.expr:
         """The value itself where it is a name or a number, else a new name for it."""
         if isinstance(value, ast.Name | ast.Constant):
             return value
@@ -87,7 +87,7 @@ def _write_call(
     lines.called[name] = function
     call = f"{name}({', '.join(ast.unparse(a) for a in given)})"
     if count is None:
-        return [lines.hold(ast.parse(call, mode="eval").body, "out")]
+        return [lines.assign_to_temporary(ast.parse(call, mode="eval").body, "out")]
     lines.names += 1
     names = [f"out{i}_{lines.names}" for i in range(count)]
     lines.written.append(f"{', '.join(names)}{',' if count == 1 else ''} = {call}")
@@ -112,7 +112,7 @@ def _inline_statements(
     last = statements[-1]
     if not isinstance(last, ast.Return) or last.value is None:
         raise NotInlinable
-    return _InliningTransformer(known, function, lines).values(last.value)
+    return _InliningTransformer(known, function, lines).inlined_value_expressions(last.value)
 
 
 def _arguments_and_statements(function: Function) -> tuple[list[str], list[ast.stmt]]:
@@ -136,10 +136,10 @@ def _assigned_values(statement: ast.stmt, writer: _InliningTransformer) -> dict[
     target = statement.targets[0]
     targets = list(target.elts) if isinstance(target, ast.Tuple) else [target]
     names = [t.id for t in targets if isinstance(t, ast.Name)]
-    values = writer.values(statement.value)
+    values = writer.inlined_value_expressions(statement.value)
     if len(names) != len(targets) or len(values) != len(names):
         raise NotInlinable
-    return {n: writer.lines.hold(v, n) for n, v in zip(names, values, strict=True)}
+    return {n: writer.lines.assign_to_temporary(v, n) for n, v in zip(names, values, strict=True)}
 
 
 class _InliningTransformer(ast.NodeTransformer):
@@ -151,25 +151,25 @@ class _InliningTransformer(ast.NodeTransformer):
         self.known, self.lines = known, lines
         self.scope: Mapping[str, Any] = vars(builtins) | function.__globals__
 
-    def values(self, value: ast.expr) -> list[ast.expr]:
+    def inlined_value_expressions(self, value: ast.expr) -> list[ast.expr]:
         """Expressions of a tuple, of a call of several outputs, or of one value."""
         if isinstance(value, ast.Tuple):
             return [self.visit(part) for part in value.elts]
         if isinstance(value, ast.Call):
-            return self._outputs(value)
+            return self._inlined_call_outputs(value)
         return [self.visit(value)]
 
-    def _outputs(self, call: ast.Call) -> list[ast.expr]:
+    def _inlined_call_outputs(self, call: ast.Call) -> list[ast.expr]:
         if call.keywords:
             raise NotInlinable
         function = self._resolved_in_module(call.func)
         arguments = [self.visit(a) for a in call.args]
-        for module, names in COMPILED_FUNCTIONS.items():
+        for module, names in NUMBA_BUILTIN_FUNCTIONS.items():
             for name in names:
                 if function is getattr(module, name):
                     return [ast.Call(_compiled_function_name(module, name), arguments, [])]
         return _inline_or_call(
-            function, [self.lines.hold(a, "given") for a in arguments], self.lines
+            function, [self.lines.assign_to_temporary(a, "given") for a in arguments], self.lines
         )
 
     def _resolved_in_module(self, node: ast.expr) -> Any:
@@ -182,7 +182,7 @@ class _InliningTransformer(ast.NodeTransformer):
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         """One value of a call."""
-        values = self._outputs(node)
+        values = self._inlined_call_outputs(node)
         if len(values) != 1:
             raise NotInlinable
         return values[0]

@@ -51,18 +51,18 @@ class Parameter:
     bounded_by: tuple[str, str] | None = None
 
     @property
-    def argument(self) -> str:
+    def argument_name(self) -> str:
         """Name by which functions of an effect ask for it: its symbol, or else its name."""
         return self.symbol or self.name
 
     @property
-    def typical(self) -> float:
+    def typical_magnitude(self) -> float:
         """Plausible magnitude of a strength: `plausible`, or else the size of its start."""
         if math.isfinite(self.plausible):
             return self.plausible
         return abs(self.start) or 0.1 * (self.upper - self.lower)
 
-    def bounded(self, constants: Mapping[str, float]) -> Parameter:
+    def with_trial_bounds(self, constants: Mapping[str, float]) -> Parameter:
         """The parameter between the bounds of a trial with these constants."""
         if self.bounded_by is None:
             return self
@@ -120,20 +120,25 @@ class Effect:
     needs_both_sides: bool = False
 
     @cached_property
-    def informs(self) -> dict[str, tuple[str, ...]]:
+    def parameters_by_auxiliary_measurement(self) -> dict[str, tuple[str, ...]]:
         """Side measurement -> the parameters that its prediction depends on, in its order."""
-        names = {p.argument: p.name for p in self.parameters}
+        names = {p.argument_name: p.name for p in self.parameters}
         return {name: tuple(names[a] for a in inspect.signature(by).parameters if a in names)
                 if callable(by) else tuple(by) for name, by in self.evidence.items()}  # fmt: skip
 
     @cached_property
-    def nuisance(self) -> dict[str, set[str]]:
+    def measurements_by_nuisance_parameter(self) -> dict[str, set[str]]:
         """Parameter that acts on no stage -> the side measurements that determine it."""
         functions = [*self.hooks.values(), *([self.rates] if self.rates else [])]
         acting = {name for f in functions for name in inspect.signature(f).parameters}
-        silent = {p.name for p in self.parameters if p.argument not in acting}
-        informed = sorted({p for by in self.informs.values() for p in by} & silent)
-        return {p: {name for name, by in self.informs.items() if p in by} for p in informed}
+        silent = {p.name for p in self.parameters if p.argument_name not in acting}
+        informed = sorted(
+            {p for by in self.parameters_by_auxiliary_measurement.values() for p in by} & silent
+        )
+        return {
+            p: {name for name, by in self.parameters_by_auxiliary_measurement.items() if p in by}
+            for p in informed
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,31 +182,31 @@ class System:
         return self.coefficients + own
 
     @cached_property
-    def slot(self) -> dict[str, int]:
+    def parameter_index(self) -> dict[str, int]:
         """Place of every parameter by name."""
         return {p.name: i for i, p in enumerate(self.parameters)}
 
-    def effect_parameter_slots(self, effect: str) -> tuple[int, ...]:
+    def effect_parameter_indices(self, effect: str) -> tuple[int, ...]:
         """Places of an effect's parameters in `parameters`."""
         own = self.effect(effect).parameters
-        return tuple(self.slot[f"{effect}.{p.name}"] for p in own)
+        return tuple(self.parameter_index[f"{effect}.{p.name}"] for p in own)
 
     @cached_property
-    def strength_slots(self) -> tuple[np.ndarray, np.ndarray]:
+    def strength_parameter_indices(self) -> tuple[np.ndarray, np.ndarray]:
         """Places of all effects' strengths one after the other, and where each effect's begin."""
-        own = [self.effect_parameter_slots(e.name)[: e.strengths] for e in self.effects]
+        own = [self.effect_parameter_indices(e.name)[: e.strengths] for e in self.effects]
         first = np.cumsum([0, *(len(slots) for slots in own[:-1])])
         return np.array([s for slots in own for s in slots], dtype=int), first[: len(own)]
 
     def effect(self, name: str) -> Effect:
         """The effect of that name; KeyError where there is none."""
-        return self._by_name[name]
+        return self._effect_by_name[name]
 
     @cached_property
-    def _by_name(self) -> dict[str, Effect]:
+    def _effect_by_name(self) -> dict[str, Effect]:
         return {effect.name: effect for effect in self.effects}
 
-    def values(
+    def parameter_vector(
         self,
         coefficients: Mapping[str, float],
         effects: Mapping[str, Mapping[str, float]] | None = None,
@@ -216,9 +221,11 @@ class System:
         unknown = set(given) - {p.name for p in self.parameters}
         if unknown:
             raise KeyError(f"{self.name} has no parameter {', '.join(sorted(unknown))}")
-        return np.array([given.get(p.name, self._absent(p)) for p in self.parameters])
+        return np.array(
+            [given.get(p.name, self._value_if_effect_absent(p)) for p in self.parameters]
+        )
 
-    def named_values(
+    def unpack_parameter_vector(
         self, values: np.ndarray
     ) -> tuple[dict[str, float], dict[str, dict[str, float]]]:
         """Coefficients, and the effects that are present with their parameters: what `values`
@@ -233,7 +240,7 @@ class System:
         }
         return coefficients, effects
 
-    def _absent(self, parameter: Parameter) -> float:
+    def _value_if_effect_absent(self, parameter: Parameter) -> float:
         if "." not in parameter.name:
             return parameter.start
         effect, name = parameter.name.split(".", 1)

@@ -16,23 +16,23 @@ NO_ROBOT_REMARK = "No robot was found: "
 """Beginning of the remark on a video in which a detector found no robot; the reason follows."""
 
 
-def source_names() -> tuple[str, ...]:
+def keypoint_source_names() -> tuple[str, ...]:
     """Names of the sources: the modules of this folder."""
     names = (path.stem for path in Path(__file__).parent.glob("*.py"))
     return tuple(sorted(name for name in names if not name.startswith("_")))
 
 
-def source_module(name: str) -> ModuleType:
+def keypoint_source_module(name: str) -> ModuleType:
     """Module of a source.
 
     Raises: InputError with the nearest known name where there is none of that name.
     """
-    if name not in source_names():
+    if name not in keypoint_source_names():
         raise input_error(
             "study.yaml",
             "detection.source",
             f"'{name}'",
             "a keypoint source",
-            did_you_mean(name, source_names()),
+            did_you_mean(name, keypoint_source_names()),
         )
     return import_module(f"{__name__}.{name}")

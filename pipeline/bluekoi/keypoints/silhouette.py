@@ -17,13 +17,13 @@ from ..errors import input_error
 from ..study import StudySettings, Trial
 from . import NO_ROBOT_REMARK
 from .midline import detection as midline
-from .outline.absence import robot_not_found_reason
 from .outline.background import median_image, noise_level, sample_frames, without_static_robot
 from .outline.camera_motion import camera_motion_remarks
 from .outline.ghost_removal import background_without_robot
 from .outline.learning import LearnedTemplate, learn_template, relearned_template
-from .outline.movement import pictures_agree_with_movement
-from .outline.plane import SwimmingPlaneMap, in_body_lengths, swimming_plane_map
+from .outline.movement_check import frames_change_where_body_moved
+from .outline.plane import SwimmingPlaneMap, metres_to_body_lengths, swimming_plane_map
+from .outline.robot_not_found import robot_not_found_reason
 from .outline.second_body import second_body_remark
 from .outline.template import robot_length_bl
 from .outline.to_keypoints import keypoints_from_fits
@@ -35,10 +35,10 @@ measured is the whole length (`Keypoints.length_seen`)."""
 SCENE_SAMPLE_FRAME_COUNTS, MAX_KEY_FRAMES_SAMPLED = (5, 15), 8
 """Frames from which background and outline are learned: at least 5, up to 8 where the video has so
 many key frames; 15 where these do not do. The outline's error is that of a mean over them."""
-GOOD_SUPPORT = 0.9
-MIN_SUPPORT_SCORE = 0.6
-MIN_SCENE_SUPPORT_SHARE = 0.4
-BACKGROUND_ROUNDS = 2
+SUFFICIENT_TEMPLATE_SUPPORT = 0.9
+MIN_TEMPLATE_SUPPORT_SCORE = 0.6
+MIN_SUPPORT_FOR_GHOST_REMOVAL = 0.4
+GHOST_REMOVAL_ROUNDS = 2
 MIN_RIGID_FRAMES_SHARE = 0.9
 """A body counts as bending only if the rigid template fits a smaller share of the frames."""
 
@@ -84,7 +84,7 @@ def _detect_rigid_body(
 ) -> Keypoints:
     """Keypoints of a rigid head and core with a tail."""
     with _decode_in_background(frames()) as film:
-        scene, outline, remarks = learned_scene(frames, samples, plane, setup, trial)
+        scene, outline, remarks = learn_scene_and_template(frames, samples, plane, setup, trial)
         if outline is None:
             times = [frame.time_s for frame in film]
             return _empty_keypoints(
@@ -136,7 +136,7 @@ def _detect_bending_body(
     """Keypoints of a bending body; None without one, or where it is not seen to bend."""
     samples = sample_frames(frames(), midline.SAMPLE_FRAMES)
     body = midline.learn_body(samples, plane, setup.robot, trial)
-    if body is None or not (body.bends or setup.detection.body == "bending"):
+    if body is None or not (body.is_core_bending or setup.detection.body == "bending"):
         return None
     found = midline.detect_keypoints(frames(), body, setup.robot, trial)
     return replace(found, remarks=(*camera_motion_remarks(samples, plane), *found.remarks))
@@ -160,7 +160,7 @@ def _repeatable_frame_source(
     return (lambda: first) if isinstance(first, SeekableFilm) else frames
 
 
-def learned_scene(
+def learn_scene_and_template(
     frames: Callable[[], Iterable[Frame]],
     samples: Sequence[Frame],
     plane: SwimmingPlaneMap,
@@ -182,19 +182,19 @@ def learned_scene(
         outline = found[-1][1]
         if (
             outline is not None
-            and outline.support > GOOD_SUPPORT
-            and 2 * outline.frames > len(samples)
+            and outline.support > SUFFICIENT_TEMPLATE_SUPPORT
+            and 2 * outline.learning_frame_count > len(samples)
         ):
             return *found[-1], notes
     best = max(found, key=lambda one: _support_score(one[1]))
-    if _support_score(best[1]) < MIN_SUPPORT_SCORE:
-        size = in_body_lengths(setup.robot, setup.robot.head_span_m) * plane.px_per_bl
+    if _support_score(best[1]) < MIN_TEMPLATE_SUPPORT_SCORE:
+        size = metres_to_body_lengths(setup.robot, setup.robot.head_span_m) * plane.px_per_bl
         bridged = replace(found[-1][0], floor=without_static_robot(found[-1][0].floor, size))
         second = learn_template(samples, bridged, setup.robot, trial)
         if (
             second is not None
-            and second.support_score > MIN_SUPPORT_SCORE
-            and pictures_agree_with_movement(second, bridged)
+            and second.support_score > MIN_TEMPLATE_SUPPORT_SCORE
+            and frames_change_where_body_moved(second, bridged)
         ):
             remark = "the robot hardly left its place: its background was bridged from around it"
             return bridged, second, (*notes, remark)
@@ -210,8 +210,8 @@ def _scene_and_template(
     floor = median_image(images)
     scene = DetectionScene(floor, plane, noise_level(images, floor), trial.head_angle_rad)
     outline = learn_template(samples, scene, setup.robot, trial)
-    for _ in range(BACKGROUND_ROUNDS):
-        if outline is None or outline.support <= MIN_SCENE_SUPPORT_SHARE:
+    for _ in range(GHOST_REMOVAL_ROUNDS):
+        if outline is None or outline.support <= MIN_SUPPORT_FOR_GHOST_REMOVAL:
             break
         free = background_without_robot(outline, scene)
         if free is None:

@@ -13,7 +13,7 @@ import numpy as np
 from ..data import Keypoints
 from ..errors import InputError, input_error
 from ..study import Trial
-from .files.safe_h5 import local_h5_member, open_h5, read_h5_strings
+from .files.safe_h5 import h5_member_without_links, open_h5, read_h5_strings
 from .files.table import Table, build_table, to_keypoints
 
 EXPORT_REMEDY = (
@@ -46,7 +46,10 @@ def read_keypoints_of_trial(
 def read_table(path: Path) -> Table:
     """Table of a SLEAP analysis h5, each track an individual."""
     with open_h5(path) as file:
-        tracks, nodes = local_h5_member(file, "tracks"), local_h5_member(file, "node_names")
+        tracks, nodes = (
+            h5_member_without_links(file, "tracks"),
+            h5_member_without_links(file, "node_names"),
+        )
         if tracks is None or nodes is None:
             raise input_error(path, "", "no tracks and node_names", "a SLEAP analysis h5")
         names = read_h5_strings(nodes)
@@ -54,7 +57,7 @@ def read_table(path: Path) -> Table:
             found = f"tracks of shape {tracks.shape} for {len(names)} nodes"
             raise input_error(path, "tracks", found, "(tracks, 2, nodes, frames)")
         values = np.asarray(tracks[()], dtype=float)
-        scores = _stored_scores(local_h5_member(file, "point_scores"), values)
+        scores = _scores_in_file_or_ones(h5_member_without_links(file, "point_scores"), values)
         who = _track_names(file, values.shape[0])
     if values.shape[3] == 0:
         raise input_error(path, "tracks", "no frames", "a frame at least")
@@ -98,7 +101,7 @@ def _scores_or_ones(scores: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(scores), scores, 1.0)
 
 
-def _stored_scores(scores: object, values: np.ndarray) -> np.ndarray:
+def _scores_in_file_or_ones(scores: object, values: np.ndarray) -> np.ndarray:
     shape = (values.shape[0], values.shape[2], values.shape[3])
     if scores is None or getattr(scores, "shape", None) != shape:
         return np.ones(shape)
@@ -106,7 +109,7 @@ def _stored_scores(scores: object, values: np.ndarray) -> np.ndarray:
 
 
 def _track_names(file: object, count: int) -> list[str]:
-    names = local_h5_member(file, "track_names")
+    names = h5_member_without_links(file, "track_names")
     found = read_h5_strings(names) if names is not None else []
     return found if len(set(found)) == count else [f"track_{i}" for i in range(count)]
 

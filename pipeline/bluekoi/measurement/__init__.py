@@ -4,6 +4,6 @@
 
 from __future__ import annotations
 
-SESSION_TREND_STD = 0.5
+SESSION_TREND_PRIOR_STD = 0.5
 """ASSUME errors of scale and depth that grow from 0 to twice their mean, or the reverse, are
 extreme cases, two prior standard deviations off a constant error."""

@@ -10,9 +10,10 @@ aligned.
 
 The pose of the camera is fitted to the corners of the pool, with the same wrong lens. The fitted
 pose therefore compensates part of the lens error: a change of scale (Q, in m2) and a shift (a, in
-m3). Q, a and c are computed once from the camera of the study (camera/error_displacement.py). For
-this, the first distortion coefficient of the camera is changed, and the pose is fitted again. The
-resulting displacement of points on the water is approximated by the formula with q = 1.
+m3). Q, a and c are computed once from the camera of the study
+(camera/camera_error_displacement.py). For this, the first distortion coefficient of the camera is
+changed, and the pose is fitted again. The resulting displacement of points on the water is
+approximated by the formula with q = 1.
 
 The full formula for tangential distortion is 2 (p . d) d + rho^2 p, with d = true - c. The first
 term is left out. It acts like a tilt of the camera, which the fitted pose compensates.

@@ -16,7 +16,7 @@ errors displaces it; with X and Y the position relative to the middle of the poo
   error of the length stretches x alone, one of the width y alone: g_1 = (1, 0), g_2 = (0, 1),
   b_i = 0. Where the lens is known, proportions are seen right: an error of one side changes the
   scale of both, and tilts the camera that is fitted to the corners, if it does not stand over the
-  middle (camera/error_displacement.py).
+  middle (camera/camera_error_displacement.py).
 
 Some detectors find the nose and place the other keypoints at stated lengths behind it. Then the
 formula applies to the position of the nose, and the other keypoints keep their distances from it.
@@ -27,7 +27,7 @@ Source: own statement (pool dimensions or corner marks wrong).
 from __future__ import annotations
 
 from ..integrate.system import Parameter
-from . import SESSION_TREND_STD
+from . import SESSION_TREND_PRIOR_STD
 
 EFFECT_KIND = "measurement"
 AFFECTED_CHANNELS = ("surge", "sway")
@@ -44,7 +44,7 @@ EFFECT_PARAMETERS = (
               spread=0.5, tries=(1.0, -1.0), symbol="a"),
     Parameter("session_trend", "1", 0.0, -1.0, 1.0,
               "change of the error over half a session, relative to its mean",
-              spread=SESSION_TREND_STD, symbol="d"),
+              spread=SESSION_TREND_PRIOR_STD, symbol="d"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {
     "uniform": {},

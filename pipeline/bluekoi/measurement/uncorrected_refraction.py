@@ -8,7 +8,7 @@ camera. If its position is `true`, it is measured at
 - k: relative shift near c, the mean over the session. Its bounds in a fit are the shift of a
   keypoint on top of the body and that of a keypoint on the floor of the pool;
 - b: increase of the relative shift with the distance from c. It is computed from the height of the
-  camera and the stated refractive index (camera/error_displacement.py);
+  camera and the stated refractive index (camera/camera_error_displacement.py);
 - q: increase over the computed one. It is 1 if only the index or only the depth is wrong;
 - d: trend of the shift over the session, relative to its mean. A robot that takes on water lies
   deeper from trial to trial. With d = 1, the shift grows from 0 in the first trial;
@@ -20,7 +20,7 @@ Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34
 from __future__ import annotations
 
 from ..integrate.system import Parameter
-from . import SESSION_TREND_STD
+from . import SESSION_TREND_PRIOR_STD
 
 EFFECT_KIND = "measurement"
 AFFECTED_CHANNELS = ("surge", "sway")
@@ -39,7 +39,7 @@ EFFECT_PARAMETERS = (
               symbol="q"),
     Parameter("session_trend", "1", 0.0, -1.0, 1.0,
               "change of the shift over half a session, relative to its mean",
-              spread=SESSION_TREND_STD, symbol="d"),
+              spread=SESSION_TREND_PRIOR_STD, symbol="d"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {
     "wrong depth": {},

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import FilteredTrial, Noise, TrialSeries, filter_all
-from ..fitting.filtering import MAX_FILTER_STEP_S, values_with_noise_switched_on
+from ..fitting.filtering import MAX_FILTER_STEP_S, parameters_with_random_effects_on
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import simulate_batch
 
@@ -148,7 +148,9 @@ def _predictions_with_displacements(
     each = (LANES - 1) // 2
     groups = [moments[i : i + each] for i in range(0, len(moments), each)]
     system, count, n = kernel.system, len(groups), len(one.times)
-    full = np.repeat(values_with_noise_switched_on(kernel, values, noise)[:, None], LANES, axis=1)
+    full = np.repeat(
+        parameters_with_random_effects_on(kernel, values, noise)[:, None], LANES, axis=1
+    )
     parameters = np.repeat(full[None], count, axis=0)
     constants = np.repeat(np.repeat(one.constants[:, None], LANES, axis=1)[None], count, axis=0)
     state = np.repeat(np.repeat(one.mean[:, None], LANES, axis=1)[None], count, axis=0)
@@ -156,9 +158,9 @@ def _predictions_with_displacements(
         for i, moment in enumerate(group):
             for k, direction in enumerate(DISPLACEMENT_PARAMETERS):
                 lane = 1 + 2 * i + k
-                parameters[b, system.slot[f"{CAMERA_SHIFT_EFFECT}.{direction}"], lane] += (
-                    DERIVATIVE_STEP_M
-                )
+                parameters[
+                    b, system.parameter_index[f"{CAMERA_SHIFT_EFFECT}.{direction}"], lane
+                ] += DERIVATIVE_STEP_M
                 constants[b, system.constants.index(SHIFT_TIME_NAME), lane] = moment
     tiled = [np.repeat(a[None], count, axis=0) for a in (one.times, one.inputs,
              np.nan_to_num(one.seen), filtered.gains)]  # fmt: skip

@@ -61,14 +61,14 @@ def trajectory_fit(
     numbers; with more, the coefficients alone are fitted. None where that fit diverges. Covariances
     are not computed.
     """
-    slot, base = kernel.system.slot, model.base.copy()
+    slot, base = kernel.system.parameter_index, model.base.copy()
     for free, value in zip(model.fit.free, model.fit.values, strict=True):
         base[slot[free.name]] = value
-    some = [f for f in model.fit.free if "." not in f.name or is_strength(kernel, f.name)]
+    some = [f for f in model.fit.free if "." not in f.name or is_strength_parameter(kernel, f.name)]
     if len(some) > MAX_TRAJECTORY_PARAMETERS - len(kernel.system.states):
         some = [f for f in some if "." not in f.name]
     try:
-        found = fit_trajectories(kernel, train, base, some, start=model.fit.by_label()).fit
+        found = fit_trajectories(kernel, train, base, some, start=model.fit.values_by_label()).fit
     except np.linalg.LinAlgError:
         return None
     finite = np.isfinite(found.values).all() and np.isfinite(found.log_likelihood)
@@ -76,7 +76,7 @@ def trajectory_fit(
     return JointFit(found, model.noise, unknown, base) if finite else None
 
 
-def is_strength(kernel: CompiledSystem, label: str) -> bool:
+def is_strength_parameter(kernel: CompiledSystem, label: str) -> bool:
     """Whether a number of an effect is a strength, without which the effect is absent."""
     effect = kernel.system.effect(label.split(".", maxsplit=1)[0])
     return label in [f"{effect.name}.{p.name}" for p in effect.parameters[: effect.strengths]]

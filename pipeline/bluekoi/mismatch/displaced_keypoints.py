@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..measurement import keypoint_bias
-from .measured_cause import measured_cause, with_measured_cause
+from .measured_cause import measured_cause_json, with_measured_cause
 
 KEYPOINT_BIAS_CAUSE = "keypoint_bias"
 
@@ -45,12 +45,12 @@ def with_keypoint_bias_cause(
     found_on_body = [c for c in content["causes"] if c["name"] == KEYPOINT_BIAS_CAUSE]
     for cause in found_on_body:
         parameters |= cause["parameters"]
-    cause = measured_cause(
+    cause = measured_cause_json(
         keypoint_bias,
         parameters,
         regime="; ".join(regimes),
         sigmas=max(one["sigmas"] for _, keypoints in parts for one in keypoints.values()),
-        sentence=f"The rigid lengths of the robot show that {summary}. {_possible_reasons(parts)} "
+        sentence=f"The rigid lengths of the robot show that {summary}. {_reasons_text(parts)} "
         "Lengths show only how keypoints are displaced relative to each other. The displacements "
         "were subtracted before the search.",
     )
@@ -59,7 +59,7 @@ def with_keypoint_bias_cause(
     return with_measured_cause(content, cause, sentence=sentence, replaces=found_on_body)
 
 
-def _possible_reasons(parts: Sequence[tuple[Sequence[str], Mapping[str, Any]]]) -> str:
+def _reasons_text(parts: Sequence[tuple[Sequence[str], Mapping[str, Any]]]) -> str:
     found = [one["parallax"] != 0 for _, keypoints in parts for one in keypoints.values()]
     reasons = []
     if not all(found):
@@ -75,12 +75,12 @@ def _displacement_text(keypoint: str, found: Mapping[str, float]) -> str:
     if parallax:
         way = "away from it" if parallax > 0 else "towards it"
         share = f"{100 * abs(parallax):.1f} % of its distance"
-        return f"{keypoint} by {share} from {_fixed_point_text(found)}, {way}"
+        return f"{keypoint} by {share} from {_undisplaced_position_text(found)}, {way}"
     toward = np.degrees(np.arctan2(y, x))
     return f"{keypoint} by {1000 * np.hypot(x, y):.1f} mm, {toward:.0f} degrees from the x axis"
 
 
-def _fixed_point_text(found: Mapping[str, float]) -> str:
+def _undisplaced_position_text(found: Mapping[str, float]) -> str:
     """The position without displacement, of a keypoint with a parallax."""
     return f"({-found['x_m'] / found['parallax']:.2f}, {-found['y_m'] / found['parallax']:.2f}) m"
 
@@ -94,8 +94,8 @@ def _parameters_of_keypoint(
                 "value": found["parallax"],
                 "std": found["parallax_std"],
                 "unit": "m/m",
-                "meaning": f"displacement of {keypoint} away from {_fixed_point_text(found)}, over "
-                "the distance from there",
+                "meaning": f"displacement of {keypoint} away from "
+                f"{_undisplaced_position_text(found)}, over the distance from there",
             }
         }
     return {

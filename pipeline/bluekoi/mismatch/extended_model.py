@@ -33,7 +33,7 @@ def fit_extended(
     rate of the fit. Without causes the model with covariances is the baseline.
     """
     model = refit_without_discrepancy(replace(problem, series=tuple(train)), best.model)
-    model = model if model.usable else refit_without_discrepancy(problem, best.model)
+    model = model if model.is_finite else refit_without_discrepancy(problem, best.model)
     extended = with_between_trial_covariance(baseline, model) if best.causes else baseline
     return (model, extended), model
 

@@ -19,12 +19,12 @@ from ..engine import (
     posterior_over_sets,
     search_cause_sets,
 )
-from ..engine.naming import MIN_NAMED_PROBABILITY, UNLISTED_FORCE_LABEL, log_evidence_gain
+from ..engine.cause_selection import MIN_NAMED_PROBABILITY, UNLISTED_FORCE_LABEL, log_evidence_gain
 from ..fitting import (
     MAX_OVERDISPERSION,
     MissingForce,
     TrialSeries,
-    added_force,
+    force_of_added_effects,
     missing_force,
 )
 from ..integrate import CompiledSystem
@@ -34,28 +34,28 @@ from ..study import Study
 from ..study.data_split import has_trial_roles, held_out_trials
 from ..tuning import (
     JointFit,
+    compiled_trial_system,
     downsampled,
     downsampled_with_head_angle_changes,
     fit_all_trials,
     steady_errors,
-    trial_kernel,
 )
 from .camera_displacement import (
     CameraDisplacement,
     detect_displacements,
     with_displacement_constants,
 )
-from .compared_models import compare_models, is_strength
+from .compared_models import compare_models, is_strength_parameter
 from .drift import CameraDrift, trial_with_camera_drift
 from .extended_model import fit_extended
 from .missing_force_dependence import ExplainedForceShare, covariates, force_dependences
-from .robot_problem import robot_problem, undetermined_cause_warnings
+from .robot_problem import robot_cause_search_problem, undetermined_cause_warnings
 
-MIN_FORCE_UNIT_SHARE_OF_BASELINE = 0.1
+MIN_RANDOM_FORCE_OVER_BASELINE = 0.1
 """The missing force is compared with the random forces of the final model, but with no less than
 this share of the baseline's: a random force that a fit estimates as 0 is no unit. Only for the
 choice of what the figures show."""
-SEARCH_RATE_HZ = 5.0
+SEARCH_SAMPLING_RATE_HZ = 5.0
 """Observations a second in the search, for the published robot: what acts for a second or longer
 loses nothing, and the time is half that of ten. The chosen set is fitted to ten."""
 
@@ -105,9 +105,9 @@ def find_mismatch(
 ) -> MismatchResult:
     """`MismatchResult` for the measured trials of a study.
 
-    smoothed_keypoints: of `robot_problem`.
+    smoothed_keypoints: of `robot_cause_search_problem`.
     """
-    kernel = trial_kernel(series)
+    kernel = compiled_trial_system(series)
     held_out = held_out_trials(study, [s.name for s in series])
     progress("baseline")
     averaged = downsampled(series)
@@ -123,18 +123,24 @@ def find_mismatch(
     test = [s for s in series if s.name in held_out] or list(series)
     baseline = fit_all_trials(train) if displaced else baseline
     train_frames = [s for s in series if s.name not in held_out]
-    searched = downsampled_with_head_angle_changes(train_frames, SEARCH_RATE_HZ)
+    searched = downsampled_with_head_angle_changes(train_frames, SEARCH_SAMPLING_RATE_HZ)
     camera = study.setup.camera
-    problem = robot_problem(kernel, searched, baseline, displaced=displaced, progress=progress,
-                            by_homography=camera is not None and camera.matrix is None,
-                            smoothed_keypoints=smoothed_keypoints)  # fmt: skip
-    visited = search_cause_sets(problem, baseline.fit.by_label())
+    problem = robot_cause_search_problem(
+        kernel,
+        searched,
+        baseline,
+        displaced=displaced,
+        progress=progress,
+        by_homography=camera is not None and camera.matrix is None,
+        smoothed_keypoints=smoothed_keypoints,
+    )
+    visited = search_cause_sets(problem, baseline.fit.values_by_label())
     problem = visited.problem
     fitted = list(visited.sets.values())
     found = posterior_over_sets(problem, fitted)
     train_blocks = downsampled_with_head_angle_changes(train_frames)
     chosen = choose_causes(
-        found, problem.by_name, partial(fit_extended, problem, train_blocks, baseline)
+        found, problem.candidate_by_name, partial(fit_extended, problem, train_blocks, baseline)
     )
     named, best, (final, extended) = chosen.named, chosen.best, chosen.model
     progress("missing force")
@@ -172,7 +178,7 @@ def _camera_displacements_and_drift(
     kernel: CompiledSystem, series: Sequence[TrialSeries], model: JointFit
 ) -> tuple[list[CameraDisplacement], CameraDrift | None]:
     """Displacements of the camera during a trial, and the trial whose positions drift, if any."""
-    fitted = kernel, series, model.trial_values(kernel, series), model.noise
+    fitted = kernel, series, model.parameter_vectors_by_trial(kernel, series), model.noise
     return detect_displacements(*fitted), trial_with_camera_drift(*fitted)
 
 
@@ -191,20 +197,22 @@ def _missing_force_and_dependences(
     """
     free = extended.fit.free
     residual = any(is_residual(f.name) for f in free)
-    full = extended.trial_values(kernel, series)
+    full = extended.parameter_vectors_by_trial(kernel, series)
     values = [v.copy() for v in full]
     for f in free:
-        if is_residual(f.name) or ("." in f.name and not residual and is_strength(kernel, f.name)):
+        if is_residual(f.name) or (
+            "." in f.name and not residual and is_strength_parameter(kernel, f.name)
+        ):
             for v in values:
-                v[kernel.system.slot[f.name]] = 0.0
+                v[kernel.system.parameter_index[f.name]] = 0.0
     forces = missing_force(kernel, series, values, baseline.noise)
     trials = {t.trial_id: t for t in study.trials}
     count = forces[0].force.shape[1]
     units = np.maximum(
         extended.noise.disturbance[:count],
-        MIN_FORCE_UNIT_SHARE_OF_BASELINE * baseline.noise.disturbance[:count],
+        MIN_RANDOM_FORCE_OVER_BASELINE * baseline.noise.disturbance[:count],
     )
-    pushes = added_force(kernel, series, full, values, extended.noise)
+    pushes = force_of_added_effects(kernel, series, full, values, extended.noise)
     shown = pushes if max(np.abs(p).max() for p in pushes) > 0 else [f.force for f in forces]
     return forces, force_dependences(series, shown, covariates(series, forces, trials), units)
 
@@ -216,7 +224,7 @@ def verdict_of(kernel: CompiledSystem, named: Sequence[NamedCause], unexplained:
     return kernel.system.effect(named[0].name).kind if named else "none"
 
 
-MAX_RANDOM_FORCE_SHARE = 0.5
+MAX_RANDOM_OVER_TYPICAL_FORCE = 0.5
 """Share of the thrust above which random forces are called comparable to it."""
 
 
@@ -244,21 +252,21 @@ def model_warnings(
              for p in e.parameters[1:]]  # fmt: skip
     forces = best.model.noise.disturbance[:3]
     names = ("surge", "sway", "yaw")
-    mean = _typical_forces(kernel, train, best)
+    mean = _typical_thrust_and_moment(kernel, train, best)
     for name, force, main, t, bound in zip(names, forces, mean, tau, upper, strict=False):
-        if force > MAX_RANDOM_FORCE_SHARE * main:
+        if force > MAX_RANDOM_OVER_TYPICAL_FORCE * main:
             at = " with a correlation time at its bound" if t >= 0.99 * bound else ""
             out.append(f"The estimated random {name} force is comparable to the main force{at}: "
                        "it may contain missing physics.")  # fmt: skip
     return out
 
 
-def _typical_forces(
+def _typical_thrust_and_moment(
     kernel: CompiledSystem, train: Sequence[TrialSeries], best: ScoredCauseSet
 ) -> tuple[float, float, float]:
     """Typical thrust (N), used for surge and sway, and thrust times the head's arm (N m)."""
     names = kernel.system.constants
-    values = best.model.fit.by_label()
+    values = best.model.fit.values_by_label()
     thrust = [values["C_T"] * 0.5 * s.constants[names.index("rho")] * s.constants[names.index("A")]
               * float(np.median(s.inputs[:, 1])) ** 2 for s in train]  # fmt: skip
     arm = float(np.median([abs(s.constants[names.index("l")]) for s in train]))

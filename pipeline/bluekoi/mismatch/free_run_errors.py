@@ -18,11 +18,11 @@ from ..data import Float
 from ..fitting import (
     Noise,
     TrialSeries,
-    disturbance_slots,
     filter_all,
     filter_series,
     free_runs,
     parametric_bootstrap,
+    random_state_indices,
 )
 from ..fitting.trial_effects import (
     most_probable_trial_effects,
@@ -31,7 +31,7 @@ from ..fitting.trial_effects import (
 )
 from ..integrate import CompiledSystem
 from ..integrate.batch import threaded_map
-from ..model import robot_units_of_trial
+from ..model import robot_scale_ratios_of_trial
 from ..study import Study
 from ..tuning import JointFit
 from ..tuning.similar_robots import state_std_scaled_to_robot
@@ -98,7 +98,10 @@ def _bootstrap_path_errors_m(
     kernel: CompiledSystem, tuned: JointFit, segments: Sequence[TrialSeries]
 ) -> list[float]:
     """Path errors of a model on data made by itself, segment by segment, m."""
-    rng, values = np.random.default_rng(NOISE_FLOOR_SEED), tuned.trial_values(kernel, segments)
+    rng, values = (
+        np.random.default_rng(NOISE_FLOOR_SEED),
+        tuned.parameter_vectors_by_trial(kernel, segments),
+    )
     runs = free_runs(kernel, segments, values)
     starts = np.array([np.where(np.isfinite(run.start), run.start, one.mean)
                        for one, run in zip(segments, runs, strict=True)])  # fmt: skip
@@ -124,7 +127,9 @@ def trial_segments(
     model's filter has at that time.
     """
     slots = _effect_state_slots(kernel)
-    filtered = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
+    filtered = filter_all(
+        kernel, series, tuned.parameter_vectors_by_trial(kernel, series), tuned.noise
+    )
     out = []
     for one, result in zip(series, filtered, strict=True):
         for segment in cut_trial_into_segments(one, horizon_s):
@@ -137,7 +142,7 @@ def trial_segments(
 
 def _effect_state_slots(kernel: CompiledSystem) -> list[int]:
     """Places of the states of effects, without the random ones."""
-    random = set(disturbance_slots(kernel))
+    random = set(random_state_indices(kernel))
     first, count = len(kernel.system.states), len(kernel.system.all_states)
     return [k for k in range(first, count) if k not in random]
 
@@ -152,19 +157,21 @@ def cut_trial_into_segments(series: TrialSeries, horizon_s: float) -> list[Trial
 
 def _cut_segment(series: TrialSeries, first: int, last: int) -> TrialSeries:
     if first == 0:
-        return series.frames(first, last)
+        return series.slice_frames(first, last)
     mean, cov = series.mean.copy(), series.cov.copy()
     mean[:6] = _state_by_parabola(series, first)
-    std = state_std_scaled_to_robot(robot_units_of_trial(series.constants), PARABOLA_STATE_STD)
+    std = state_std_scaled_to_robot(
+        robot_scale_ratios_of_trial(series.constants), PARABOLA_STATE_STD
+    )
     cov[np.arange(6), np.arange(6)] = std**2
-    return replace(series.frames(first, last), mean=mean, cov=cov)
+    return replace(series.slice_frames(first, last), mean=mean, cov=cov)
 
 
 def _state_by_parabola(series: TrialSeries, frame: int) -> Float:
     """x, y, heading, surge, sway and yaw rate at a frame, by a parabola over nearby frames."""
     time = series.times[frame]
     known = np.all(np.isfinite(series.seen), axis=1)
-    half_window = START_STATE_HALF_WINDOW_S * robot_units_of_trial(series.constants).time
+    half_window = START_STATE_HALF_WINDOW_S * robot_scale_ratios_of_trial(series.constants).time
     near = known & (np.abs(series.times - time) < half_window)
     if near.sum() < 4:
         near = known
@@ -178,7 +185,7 @@ def _path_rmse_m(kernel: CompiledSystem, tuned: JointFit, segments: Sequence[Tri
     """Root mean square distance between seen and simulated over all segments, m; infinite where a
     simulation diverges.
     """
-    runs = free_runs(kernel, segments, tuned.trial_values(kernel, segments))
+    runs = free_runs(kernel, segments, tuned.parameter_vectors_by_trial(kernel, segments))
     precise = precisely_seen_frames(segments)
     squares = [np.sum((p.seen[:, :2] - run.observed[:, :2]) ** 2, axis=1)[frames]
                for p, run, frames in zip(segments, runs, precise, strict=True)]  # fmt: skip
@@ -210,8 +217,8 @@ def segment_noise(kernel: CompiledSystem, one: TrialSeries, values: Float, noise
     water is calmer in one trial than in the next. values: with the trial effects of the segment,
     which are not to be counted as forces as well.
     """
-    acting = set(disturbance_slots(kernel, acting=True))
-    slots = disturbance_slots(kernel)[: len(noise.disturbance)]
+    acting = set(random_state_indices(kernel, acting=True))
+    slots = random_state_indices(kernel)[: len(noise.disturbance)]
     best, likelihood = noise, filter_series(kernel, one, values, noise).log_likelihood
     for k in (k for k, slot in enumerate(slots) if slot in acting):
         for scale in RANDOM_FORCE_SCALES:

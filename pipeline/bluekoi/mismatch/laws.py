@@ -15,9 +15,9 @@ from ..fitting import (
     MissingForce,
     Noise,
     TrialSeries,
-    added_force,
+    force_of_added_effects,
     missing_force,
-    slots_by_name,
+    parameter_index_by_name,
 )
 from ..integrate import CompiledSystem
 from ..study import Trial
@@ -82,7 +82,7 @@ def cause_force_curves(
     known = covariates(series, forces, trials)
     over = {name: np.concatenate([v[name] for v in known]) for name in known[0]}
     names = dict.fromkeys(f.name.split(".")[0] for f in tuned.fit.free if "." in f.name)
-    found = {name: _cause_law(kernel, series, tuned, name, over) for name in names}
+    found = {name: _cause_force_curve(kernel, series, tuned, name, over) for name in names}
     return {name: law for name, law in found.items() if law}
 
 
@@ -102,7 +102,7 @@ def partial_residuals(
     the random forces of `noise`, plus the cause's own force, which is also given alone. x is the
     variable of the law. All are means over equal parts of a trial.
     """
-    left = missing_force(kernel, series, tuned.trial_values(kernel, series), noise)
+    left = missing_force(kernel, series, tuned.parameter_vectors_by_trial(kernel, series), noise)
     known = covariates(series, forces, trials)
     ends = np.cumsum([len(one.times) for one in series])[:-1]
     found: dict[str, dict[str, dict[str, Float]]] = {}
@@ -126,7 +126,7 @@ def _means_over_trial_parts(values: Float) -> Float:
     )
 
 
-def _cause_law(
+def _cause_force_curve(
     kernel: CompiledSystem,
     series: Sequence[TrialSeries],
     tuned: JointFit,
@@ -165,7 +165,7 @@ def _cause_force(
     kernel: CompiledSystem, series: Sequence[TrialSeries], tuned: JointFit, name: str, values: Float
 ) -> Float:
     """Force (frames, channels) of one cause along all trials, with these fitted numbers."""
-    free, slots = tuned.fit.free, slots_by_name(kernel)
+    free, slots = tuned.fit.free, parameter_index_by_name(kernel)
     on = []
     for one in series:
         point = tuned.base.copy()
@@ -178,7 +178,7 @@ def _cause_force(
     for point in off:
         for parameter in effect.parameters[: effect.strengths]:
             point[slots[f"{name}.{parameter.name}"]] = 0.0
-    return np.concatenate(added_force(kernel, series, on, off, tuned.noise))
+    return np.concatenate(force_of_added_effects(kernel, series, on, off, tuned.noise))
 
 
 def equal_count_bins(x: Float) -> EqualCountBins | None:

@@ -7,7 +7,7 @@ from types import ModuleType
 from typing import Any
 
 
-def measured_cause(
+def measured_cause_json(
     effect: ModuleType,
     parameters: Mapping[str, Mapping[str, Any]],
     *,

@@ -15,11 +15,11 @@ from ..fitting import TrialSeries, trial_parameter_vector
 from ..integrate import CompiledSystem
 from ..model import simulate
 from ..study import Study
-from ..tuning import trial_kernel
+from ..tuning import compiled_trial_system
 from .find import MismatchResult
-from .sentences import UNLISTED_FORCE
+from .sentences import UNLISTED_FORCE_TEXT
 
-HEAD_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0)
+CANDIDATE_HEAD_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0)
 """Head angles of the trials that may be recommended, to either side: settings that a person chooses
 among, without a part in probabilities or verdict."""
 SAME_CONDITION_ANGLE_TOLERANCE_DEG = 5.0
@@ -32,13 +32,16 @@ def next_trial_json(
     found: MismatchResult, study: Study, series: Sequence[TrialSeries]
 ) -> dict[str, Any]:
     """The trial in which the two most probable sets of causes differ most."""
-    kernel, sets = trial_kernel(series), found.posterior.sets
+    kernel, sets = compiled_trial_system(series), found.posterior.sets
     order = np.argsort(-found.posterior.probability)
     first = found.model
     other = next((sets[i].model for i in order if sets[i].model.key != first.key), first)
     flap = {g: float(np.mean([s.inputs[0, 1] for s in series if s.group == g]))
             for g in sorted({s.group for s in series}, key=float)}  # fmt: skip
-    values = [_parameters(kernel, found.baseline.base, model) for model in (first, other)]
+    values = [
+        _parameter_vector_with_discrepancy(kernel, found.baseline.base, model)
+        for model in (first, other)
+    ]
     best = best_next_trial(study, kernel, values[0], values[1], flap)
     unlisted = {e.name for e in kernel.system.effects if e.kind == RESIDUAL_EFFECT_KIND}
     question = disagreement_text(first.causes, other.causes, unlisted)
@@ -52,11 +55,13 @@ def next_trial_json(
     return best | {"why": why, "above_noise": bool(apart > floor)}
 
 
-def _parameters(kernel: CompiledSystem, base: Float, model: FittedCauseSet) -> Float:
+def _parameter_vector_with_discrepancy(
+    kernel: CompiledSystem, base: Float, model: FittedCauseSet
+) -> Float:
     """Full parameter vector of a set, with the discrepancy that was fitted with its numbers."""
     out = base.copy()
     for label, value in model.discrepancy.items():
-        out[kernel.system.slot[label]] = value
+        out[kernel.system.parameter_index[label]] = value
     return trial_parameter_vector(kernel, out, model.fit.free, model.fit.values, "")
 
 
@@ -67,11 +72,11 @@ def disagreement_text(
     force on no list.
     """
     more, fewer = (
-        list(dict.fromkeys(UNLISTED_FORCE if c in unlisted else c for c in a if c not in b))
+        list(dict.fromkeys(UNLISTED_FORCE_TEXT if c in unlisted else c for c in a if c not in b))
         for a, b in ((first, other), (other, first))
     )
-    if more == fewer == [UNLISTED_FORCE]:
-        return f"which form {UNLISTED_FORCE} has"
+    if more == fewer == [UNLISTED_FORCE_TEXT]:
+        return f"which form {UNLISTED_FORCE_TEXT} has"
     if more and fewer:
         return f"whether it is {' and '.join(more)} or {' and '.join(fewer)}"
     names = more or fewer or ["anything else"]
@@ -91,7 +96,7 @@ def best_next_trial(
     diagonal = float(np.hypot(pool.length_m, pool.width_m))
     found: list[tuple[float, str, float, float]] = []
     lengths = sorted({t.head_length_m for t in study.trials})
-    conditions = [*product(flap_hz, HEAD_ANGLES_DEG, lengths)]
+    conditions = [*product(flap_hz, CANDIDATE_HEAD_ANGLES_DEG, lengths)]
     new = [c for c in conditions if not _has_trial_at_condition(study, *c)]
     for power, angle, length in new or conditions:
         paths = [
@@ -129,7 +134,7 @@ def _rms_distance(first: Float, second: Float) -> float:
 def _simulated_positions_m(
     study: Study, kernel: CompiledSystem, values: Float, *, angle: float, length: float, hz: float
 ) -> Float:
-    coefficients, effects = kernel.system.named_values(values)
+    coefficients, effects = kernel.system.unpack_parameter_vector(values)
     run = simulate(coefficients, setup=study.setup, head_length_m=length, head_angle_rad=angle,
                    flap_hz=hz, duration_s=4.0, effects=effects)  # fmt: skip
     return run.state[::6, :2]

@@ -8,11 +8,11 @@ from typing import Any
 
 from ..engine import NamedCause
 from ..engine.calibration import calibrated_probability
-from ..engine.naming import UNLISTED_FORCE_LABEL
+from ..engine.cause_selection import UNLISTED_FORCE_LABEL
 from ..explain.results_json import rival_rows
 from ..fitting import TrialSeries
 from ..integrate import Effect
-from ..model import is_residual, residual_channels, robot_units, two_plate_system
+from ..model import is_residual, residual_channels, robot_scale_ratios, two_plate_system
 from ..study import Study
 from .extended_model import estimates_by_label
 from .find import MismatchResult
@@ -43,7 +43,7 @@ def mismatch_json(
             "noise_floor_path_rmse_m": found.floor_m,
             "stretch_s": found.stretch_s,
         },
-        "robot_units": asdict(robot_units(study.setup.robot)),
+        "robot_units": asdict(robot_scale_ratios(study.setup.robot)),
         "overdispersion": found.posterior.best.overdispersion,
         "warnings": list(found.warnings),
         "next_trial": next_trial_json(found, study, series),
@@ -105,13 +105,13 @@ def _parameters_json(found: MismatchResult, name: str) -> dict[str, dict[str, An
     }
 
 
-def extended_residual_terms(found: MismatchResult) -> list[str]:
+def residual_terms_of_extended_model(found: MismatchResult) -> list[str]:
     """Names of the residual terms in the extended model."""
     return [f.name for f in found.extended.fit.free if is_residual(f.name)]
 
 
 def _unexplained_json(found: MismatchResult) -> dict[str, Any]:
-    terms = extended_residual_terms(found)
+    terms = residual_terms_of_extended_model(found)
     channels = sorted({c for t in terms for c in _term_channels(t)}, key=FORCE_CHANNELS.index)
     depends = [d for d in found.dependences if FORCE_CHANNELS[d.channel] in channels] or list(
         found.dependences
@@ -144,12 +144,12 @@ def rivals_json(found: MismatchResult) -> list[dict[str, Any]]:
     """Candidates that may act in the place of a named cause, or beside the named ones."""
     listed = {n: p for n, p in probability_by_cause(found).items() if n != UNLISTED_FORCE_LABEL}
     return [
-        r | {"how_to_tell_apart": _where_to_distinguish(r["in_place_of"], r["name"])}
+        r | {"how_to_tell_apart": _trials_to_distinguish_text(r["in_place_of"], r["name"])}
         for r in rival_rows(found.named, listed)
     ]
 
 
-def _where_to_distinguish(name: str, other: str) -> str:
+def _trials_to_distinguish_text(name: str, other: str) -> str:
     """Where to film to distinguish a rival from the cause in whose place it may act, or at all."""
     if not name:
         return f"{other} would act in {_regime_or_all_trials(other)}: film more trials there"

@@ -30,13 +30,13 @@ from ..camera.geometry_hypotheses import SYSTEMATIC_LENGTH_ERROR_SHARE
 from ..camera.rigid_distances import (
     STATED_LENGTH_STD_SHARE,
     RigidDistances,
-    length_excess_by_keypoint_shift,
+    length_sensitivity_to_keypoint_shift,
 )
 from ..data import Float
 from ..fitting import SharedMeasurement
 from ..integrate import Effect, System, elementwise
 from ..model.similarity import unit_dimensions
-from .robot_problem import LABEL_STD_M, UNKNOWN_DEPTH_SCALE_ERROR_STD
+from .robot_problem import KEYPOINT_LABEL_STD_M, UNKNOWN_DEPTH_SCALE_ERROR_STD
 
 CALIBRATION_ERROR_STD = {
     "lens_error": {"radial_distortion": 0.0005, "tangential_x": 0.00025, "tangential_y": 0.00025},
@@ -76,12 +76,12 @@ def rigid_length_measurement(
     session_places: number of a trial -> its place in the session (`CameraErrorInputs`); without,
     all trials have the place of the constants.
     """
-    windows = _windows_of_max_trials(windows)
+    windows = _windows_limited_to_max_trials(windows)
     effects = effects_that_change_lengths(system)
     places = session_places or {}
     each = [places.get(int(t), constants["session_place"]) for t in windows.trial.round()]
     camera = _LengthExcess(effects, {**constants, "session_place": np.array(each)}, windows)
-    patterns = camera.patterns()
+    patterns = camera.excess_by_strength()
     if len(windows.excess_m) <= 2 * patterns.shape[1]:
         return None
     others = _nuisance_patterns(camera, windows, depth_given=depth_given, systematic=systematic)
@@ -107,7 +107,7 @@ def rigid_length_measurement(
     return SharedMeasurement(names, errors, trials)
 
 
-def _windows_of_max_trials(windows: RigidDistances) -> RigidDistances:
+def _windows_limited_to_max_trials(windows: RigidDistances) -> RigidDistances:
     """Windows of `MAX_TRIALS` trials, evenly spread: more would determine nothing better."""
     labels = np.unique(windows.trial)
     if len(labels) <= MAX_TRIALS:
@@ -142,13 +142,13 @@ class _LengthExcess:
                        for end in (w.centers_m + half, w.centers_m - half))  # fmt: skip
         return np.asarray(np.sum((front - back) * along, axis=1))
 
-    def patterns(self) -> Float:
+    def excess_by_strength(self) -> Float:
         """Excess (n, m) by each strength at its prior standard deviation, for the leading form and
         for other ones.
         """
         return np.column_stack([
             PRIOR_STD_OVER_PLAUSIBLE_MAGNITUDE
-            * strength.typical
+            * strength.typical_magnitude
             * self.excess(effect, (*unit, *form))
             for effect in self.effects
             for form in _tried_shape_values(effect)
@@ -174,7 +174,7 @@ def _observed_displacement_m(
 ) -> Float:  # fmt: skip
     """Displacement (n, 2) of places (n, 2) seen at times (n,)."""
     still = {"cpsi": 0.0, "spsi": 0.0, **constants, "ahead": 0.0}
-    given = dict(zip((p.argument for p in effect.parameters), values, strict=True))
+    given = dict(zip((p.argument_name for p in effect.parameters), values, strict=True))
     known = {**still, **given, "x": places[:, 0], "y": places[:, 1], "t": time_s}
     observe = elementwise(effect.hooks["observe"])
     dx, dy, *_ = observe(*(known[a] for a in _observe_arguments(effect)))
@@ -210,7 +210,7 @@ def _nuisance_patterns(
         groups.append(("stated", np.where(stated, known, 0.0), STATED_LENGTH_STD_SHARE))
     across = np.where(pair == 0, np.sin(windows.bend_rad), 0.0)  # a hinge marked beside the core
     groups += [("label", column, 1.0)
-               for column in (*length_excess_by_keypoint_shift(windows).values(), across)
+               for column in (*length_sensitivity_to_keypoint_shift(windows).values(), across)
                if column.any()]  # fmt: skip
     groups += [("trial", np.where(windows.trial == t, known, 0.0), 1.0)
                for t in np.unique(windows.trial)]  # fmt: skip
@@ -272,7 +272,7 @@ def _whitening_rows(basis: Float, others: _NuisancePatterns, windows: RigidDista
                         - np.log(precision).sum())  # fmt: skip
         return 0.5 * float(squares + determinants)
 
-    start = np.log([LABEL_STD_M, STATED_LENGTH_STD_SHARE, 1.0])
+    start = np.log([KEYPOINT_LABEL_STD_M, STATED_LENGTH_STD_SHARE, 1.0])
     simplex = start + np.vstack([np.zeros(3), np.eye(3)])
     tolerance = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.05}
     found = minimize(misfit, start, method="Nelder-Mead", options=tolerance)

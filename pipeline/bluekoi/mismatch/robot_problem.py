@@ -7,20 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..camera.keypoint_smoothing import CAUSES_CONFOUNDED_WITH_SMOOTHING
 from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE
-from ..engine import CauseSearchProblem, PriorInclusionProbabilities, candidates_by_effect_name
+from ..camera.smoothing_detection import CAUSES_CONFOUNDED_WITH_SMOOTHING
+from ..engine import CauseSearchProblem, PriorInclusionProbabilities, candidates_from_effects
 from ..fitting import Noise, TrialEffect, TrialSeries
 from ..integrate import CompiledSystem, System
-from ..model import MOTION_VARIABLES, RobotUnits, residual_channels_and_variables
-from ..model.plates import CONTROL_INPUT_NAMES
+from ..model import MOTION_VARIABLES, RobotScaleRatios, residual_channels_and_variables
+from ..model.two_plate_model import CONTROL_INPUT_NAMES
 from ..tuning import HEAD_ANGLE_STD_RAD, JointFit, robot_units_of_trials
 from .camera_displacement import (
     CAMERA_SHIFT_EFFECT,
     NULL_DISTRIBUTION_TAIL_FACTOR,
     CameraDisplacement,
 )
-from .wrong_clock import CLOCK_CAUSE, trials_with_wrong_clock, with_constant_clock_error
+from .wrong_clock import CLOCK_CAUSE, candidates_with_constant_clock_error, trials_with_wrong_clock
 
 SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
 LOGGED_FREQUENCY_STD_SHARE = (
@@ -38,7 +38,7 @@ PRIOR_INCLUSION_PROBABILITIES = PriorInclusionProbabilities(
 )
 """About one of 30 causes acts in a study, one study in ten has a force that is not listed, and the
 published model cannot swim straight without a fin (docs/paper.md, Audit)."""
-LABEL_STD_M = 0.001  # ASSUME keypoints are labelled to 1 mm on the published body
+KEYPOINT_LABEL_STD_M = 0.001  # ASSUME keypoints are labelled to 1 mm on the published body
 CORE_LABEL_DISTANCE_M, HEAD_LABEL_DISTANCE_M = (
     0.2,
     0.12,
@@ -46,9 +46,9 @@ CORE_LABEL_DISTANCE_M, HEAD_LABEL_DISTANCE_M = (
 UNKNOWN_DEPTH_SCALE_ERROR_STD = 0.02
 """Error of positions, as a share, where the keypoints' depth is not known: those d below the plane
 are seen too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
-HOMOGRAPHY_TOLERANCES = {"scale_error.length_error": UNKNOWN_DEPTH_SCALE_ERROR_STD}
+TOLERATED_ERRORS_WITH_HOMOGRAPHY = {"scale_error.length_error": UNKNOWN_DEPTH_SCALE_ERROR_STD}
 """A homography from the pool's corners puts keypoints on the water's plane."""
-CURRENT_START_STD_M_S = 0.003
+INITIAL_WATER_CURRENT_STD_M_S = 0.003
 """Standard deviation of each component of the random current with which the estimate of the noise
 begins, for the published robot: a start, no prior. From a tenth and from ten times of it, the log
 joint densities of five sets of three studies become higher by 0.3 at most (`python -m validation
@@ -58,7 +58,7 @@ MIN_TURNED_HEAD_ANGLE_RAD = np.radians(2.0)
 CAUSE_KINDS = ("physics", "measurement", "residual")
 
 
-def robot_problem(
+def robot_cause_search_problem(
     kernel: CompiledSystem,
     series: Sequence[TrialSeries],
     baseline: JointFit,
@@ -91,51 +91,51 @@ def robot_problem(
     if trials_with_wrong_clock(series):
         likely[CLOCK_CAUSE] = PRIOR_INCLUSION_PROBABILITIES.cause / len(series)
     priors = replace(PRIOR_INCLUSION_PROBABILITIES, likely=likely)
-    candidates = candidates_by_effect_name(system, names, priors, residual_channels_and_variables())
+    candidates = candidates_from_effects(system, names, priors, residual_channels_and_variables())
     return CauseSearchProblem(
         kernel=kernel,
         series=tuple(series),
         base=baseline.base,
         coefficients=baseline.fit.free,
-        candidates=with_constant_clock_error(candidates, series),
+        candidates=candidates_with_constant_clock_error(candidates, series),
         noise=replace(
-            noise_with_random_current(baseline.noise, system, units),
+            noise_with_random_water_current(baseline.noise, system, units),
             trial_effects=_trial_error_effects(baseline),
             fixed_scales=(),
         ),
         tolerances={
-            **label_offset_stds(units),
+            **keypoint_label_offset_stds(units),
             "time_offset.start_delay": START_TIME_STD_S,
             "scale_error.length_error": STATED_LENGTH_STD_SHARE,
-            **(HOMOGRAPHY_TOLERANCES if by_homography else {}),
+            **(TOLERATED_ERRORS_WITH_HOMOGRAPHY if by_homography else {}),
         },
         state_variables=MOTION_VARIABLES,
         progress=progress,
     )
 
 
-def noise_with_random_current(noise: Noise, system: System, units: RobotUnits) -> Noise:
+def noise_with_random_water_current(noise: Noise, system: System, units: RobotScaleRatios) -> Noise:
     """The noise of a baseline, which has random forces and tracking errors alone, with a random
     current.
     """
-    std = CURRENT_START_STD_M_S * units.speed
-    tau = system.parameters[system.slot["random_current.tau"]].start
+    std = INITIAL_WATER_CURRENT_STD_M_S * units.speed_ratio
+    tau = system.parameters[system.parameter_index["random_current.tau"]].start
     return replace(noise, disturbance=np.concatenate([noise.disturbance, [std, std]]),
                    tau=np.concatenate([noise.tau, [tau, tau]]))  # fmt: skip
 
 
-def label_offset_stds(units: RobotUnits) -> dict[str, float]:
+def keypoint_label_offset_stds(units: RobotScaleRatios) -> dict[str, float]:
     """Parameters of `keypoint_bias` -> lasting offset (m, rad) that is careful work, not an error
     of the measurement to be named; labels are placed by parts of the body, so that it goes with the
     length of the robot.
     """
-    heading = LABEL_STD_M / CORE_LABEL_DISTANCE_M
+    heading = KEYPOINT_LABEL_STD_M / CORE_LABEL_DISTANCE_M
     return {
-        "keypoint_bias.forward_offset": LABEL_STD_M * units.length,
-        "keypoint_bias.left_offset": LABEL_STD_M * units.length,
+        "keypoint_bias.forward_offset": KEYPOINT_LABEL_STD_M * units.length,
+        "keypoint_bias.left_offset": KEYPOINT_LABEL_STD_M * units.length,
         "keypoint_bias.heading_offset": heading,
         "keypoint_bias.head_angle_offset": float(
-            np.hypot(heading, LABEL_STD_M / HEAD_LABEL_DISTANCE_M)
+            np.hypot(heading, KEYPOINT_LABEL_STD_M / HEAD_LABEL_DISTANCE_M)
         ),
     }
 
@@ -163,7 +163,7 @@ def _trial_error_effects(baseline: JointFit) -> tuple[TrialEffect, ...]:
     """Errors of the commanded head angle, of the thrust, which goes with the square of the
     flapping frequency, of the measured head angle, and of the time of the start, in each trial.
     """
-    thrust = abs(baseline.fit.by_label()["C_T"])
+    thrust = abs(baseline.fit.values_by_label()["C_T"])
     return (
         TrialEffect("servo_error.angle", float(SERVO_STD_RAD)),
         TrialEffect("C_T", 2.0 * LOGGED_FREQUENCY_STD_SHARE * thrust),

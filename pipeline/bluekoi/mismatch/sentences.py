@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from ..engine.naming import UNLISTED_FORCE_LABEL
+from ..engine.cause_selection import UNLISTED_FORCE_LABEL
 from ..tuning import coefficient_table
 from .find import MismatchResult
 
-UNLISTED_FORCE = "an unlisted force"
+UNLISTED_FORCE_TEXT = "an unlisted force"
 """Words for a residual term, which stands for a force that is not on the list of causes."""
-MIN_UNSTATED_PROBABILITY = 0.8
+MAX_STATED_CAUSE_PROBABILITY = 0.8
 MAX_NOISE_FLOOR_RATIO = 1.5
 """Held-out errors of the true model exceed this multiple of the noise floor in 3 of 236 studies."""
 
@@ -25,7 +25,7 @@ def verdict_sentence(found: MismatchResult, named: Sequence[Mapping[str, Any]]) 
         _cause_with_doubt_text(c, taken) for c in named if c["name"] != UNLISTED_FORCE_LABEL
     )
     errors = _path_error_clause(found)
-    first = f"{_physics_or_measurement(named)}: {names}" if names else ""
+    first = f"{_cause_kind_text(named)}: {names}" if names else ""
     excess = excess_error_clause(found)
     if found.verdict == UNLISTED_FORCE_LABEL:
         beside = f"{first}; in addition a" if first else "A"
@@ -34,7 +34,7 @@ def verdict_sentence(found: MismatchResult, named: Sequence[Mapping[str, Any]]) 
 
 
 def _no_cause_sentence(found: MismatchResult) -> str:
-    if not _is_half_determined(found):
+    if not _is_half_of_coefficients_determined(found):
         return (
             "These trials determine fewer than half of the coefficients, so the search cannot tell "
             "what the model lacks: film turns to both sides at two head angles and two powers."
@@ -68,7 +68,7 @@ def unexplained_sentence(variable: str) -> str:
     )
 
 
-def _physics_or_measurement(named: Sequence[Mapping[str, Any]]) -> str:
+def _cause_kind_text(named: Sequence[Mapping[str, Any]]) -> str:
     kind = next((c["kind"] for c in named if c["name"] != UNLISTED_FORCE_LABEL), "")
     return "Measurement error" if kind == "measurement" else "Missing physics"
 
@@ -76,9 +76,9 @@ def _physics_or_measurement(named: Sequence[Mapping[str, Any]]) -> str:
 def _cause_with_doubt_text(cause: Mapping[str, Any], named: Collection[str]) -> str:
     """Name of a cause, its probability where that is small, and the alternatives to it."""
     p = float(cause["weight"])
-    probability = [f"probability {p:.2f}"] if p < MIN_UNSTATED_PROBABILITY else []
+    probability = [f"probability {p:.2f}"] if p < MAX_STATED_CAUSE_PROBABILITY else []
     others = sorted(set(cause.get("credible_set", ())) - set(named))
-    listed = ", ".join(UNLISTED_FORCE if n == UNLISTED_FORCE_LABEL else n for n in others)
+    listed = ", ".join(UNLISTED_FORCE_TEXT if n == UNLISTED_FORCE_LABEL else n for n in others)
     doubt = [*probability, *([f"or {listed}: these trials cannot separate them"] if others else [])]
     return str(cause["name"]) + (f" ({'; '.join(doubt)})" if doubt else "")
 
@@ -92,7 +92,7 @@ def excess_error_clause(found: MismatchResult) -> str:
             "model, or these trials do not identify everything that is missing")  # fmt: skip
 
 
-def _is_half_determined(found: MismatchResult) -> bool:
+def _is_half_of_coefficients_determined(found: MismatchResult) -> bool:
     """Whether the baseline's fit determines at least half of its coefficients."""
     rows = coefficient_table(found.baseline).values()
     return 2 * sum(bool(row["determined"]) for row in rows) >= len(rows)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from ..engine import Candidate
+from ..engine import CandidateCause
 from ..fitting import TrialSeries
 from ..model import two_plate_system
 
@@ -32,9 +32,9 @@ def trials_with_wrong_clock(series: Sequence[TrialSeries]) -> list[str]:
     return part if len(part) < len(series) else []
 
 
-def with_constant_clock_error(
-    candidates: Sequence[Candidate], series: Sequence[TrialSeries]
-) -> tuple[Candidate, ...]:
+def candidates_with_constant_clock_error(
+    candidates: Sequence[CandidateCause], series: Sequence[TrialSeries]
+) -> tuple[CandidateCause, ...]:
     """Candidates of which a wrong frame rate is constant where no motor log is compared with it.
 
     The quartz of a camera is steady to 1e-4. A tail beat that drifts by more is then that of a

@@ -10,9 +10,9 @@
 
 each term with a strength of its own, x and y from the middle of the pool, alpha the angle of attack
 of the head, e = exp(-t / 2 s), and R(c) = 1 / (1 + ((f - c) / 0.6 Hz)^2)^2 a peak at the flapping
-frequency c (`near_speed` has a peak at a speed). The times and frequencies are those of a robot of
-the published length; those of others follow from `similarity`. Fitted where a mismatch fits none of
-the named causes: it models the force and says where it acts.
+frequency c (`speed_peak_forces` has a peak at a speed). The times and frequencies are those of a
+robot of the published length; those of others follow from `similarity`. Fitted where a mismatch
+fits none of the named causes: it models the force and says where it acts.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ class RobotSize(Protocol):
 
 
 @dataclass(frozen=True)
-class RobotUnits:
+class RobotScaleRatios:
     """Mass, length and time of a robot over those of the published one."""
 
     mass: float = 1.0
@@ -50,23 +50,23 @@ class RobotUnits:
     time: float = 1.0
 
     @property
-    def speed(self) -> float:
+    def speed_ratio(self) -> float:
         """Length over time."""
         return self.length / self.time
 
-    def ratio(self, unit: str) -> float:
+    def scale_ratio_for_unit(self, unit: str) -> float:
         """Magnitude of a quantity over that of the published robot, by its unit (`N s/m`)."""
         mass, length, time = unit_dimensions(unit)
         return float(self.mass**mass * self.length**length * self.time**time)
 
 
-PUBLISHED_ROBOT = RobotUnits()
+PUBLISHED_ROBOT_SCALE_RATIOS = RobotScaleRatios()
 
 
-def robot_units(robot: RobotSize) -> RobotUnits:
-    """`RobotUnits` of a robot."""
+def robot_scale_ratios(robot: RobotSize) -> RobotScaleRatios:
+    """`RobotScaleRatios` of a robot."""
     length = robot.body_length_m / PUBLISHED_BODY_LENGTH_M
-    return RobotUnits(robot.mass_kg / PUBLISHED_MASS_KG, length, length**0.5)
+    return RobotScaleRatios(robot.mass_kg / PUBLISHED_MASS_KG, length, length**0.5)
 
 
 @lru_cache(maxsize=256)
@@ -84,9 +84,9 @@ def unit_dimensions(unit: str) -> tuple[float, float, float]:
     return out[0], out[1], out[2]
 
 
-def parameter_scaled_to_robot(parameter: Parameter, units: RobotUnits) -> Parameter:
+def parameter_scaled_to_robot(parameter: Parameter, units: RobotScaleRatios) -> Parameter:
     """A parameter of the published robot for a similar one."""
-    ratio = units.ratio(parameter.unit)
+    ratio = units.scale_ratio_for_unit(parameter.unit)
     return replace(
         parameter,
         start=ratio * parameter.start,
@@ -98,9 +98,9 @@ def parameter_scaled_to_robot(parameter: Parameter, units: RobotUnits) -> Parame
     )
 
 
-def effect_scaled_to_robot(effect: Effect, units: RobotUnits) -> Effect:
+def effect_scaled_to_robot(effect: Effect, units: RobotScaleRatios) -> Effect:
     """An effect with its parameters, starts and forms for a similar robot."""
-    ratios = {p.name: units.ratio(p.unit) for p in effect.parameters}
+    ratios = {p.name: units.scale_ratio_for_unit(p.unit) for p in effect.parameters}
     first = ratios[effect.parameters[0].name]
     return replace(
         effect,

@@ -13,8 +13,8 @@ from ..integrate import LANES, compile_system
 from ..integrate.batch import MAX_INTEGRATION_STEP_S, repeat_over_lanes, simulate_batch
 from ..observation import CameraErrorInputs
 from ..study import Pool, Robot, Water
-from .plates import DYNAMICS_CONSTANT_NAMES, robot_system, trial_system
-from .similarity import RobotUnits, robot_units
+from .similarity import RobotScaleRatios, robot_scale_ratios
+from .two_plate_model import DYNAMICS_CONSTANT_NAMES, robot_system, trial_system
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class RobotAndPool(Protocol):
 def constants_of_robot_trial(
     setup: RobotAndPool, head_length_m: float, *, heading_rad: float = 0.0,
     place_m: tuple[float, float] = (0.0, 0.0), angle_before_rad: float = 0.0, start_s: float = 0.0,
-    view: CameraErrorInputs | None = None, units: RobotUnits | None = None,
+    view: CameraErrorInputs | None = None, units: RobotScaleRatios | None = None,
 ) -> Float:  # fmt: skip
     """Constants of one trial in the order of `two_plate_system().constants`, (constants,).
 
@@ -65,7 +65,7 @@ def constants_of_robot_trial(
     units: of the robot whose effects are simulated, where it is another one.
     """
     robot, pool = setup.robot, setup.pool
-    units = units or robot_units(robot)
+    units = units or robot_scale_ratios(robot)
     values = {
         "rho": setup.water.density_kg_m3,
         "A": robot.head_area_m2(head_length_m),
@@ -87,7 +87,7 @@ def constants_of_robot_trial(
         "phi0": angle_before_rad,
         "t_start": start_s,
         "length_unit": units.length,
-        "speed_unit": units.speed,
+        "speed_unit": units.speed_ratio,
         "time_unit": units.time,
     }
     return np.array(
@@ -131,7 +131,7 @@ def simulate(
         [np.broadcast_to(np.asarray(v, dtype=np.float64), n) for v in (head_angle_rad, flap_hz)]
     )
     return simulate_at_times(
-        robot_system(setup.robot).values(coefficients, effects),
+        robot_system(setup.robot).parameter_vector(coefficients, effects),
         times,
         inputs,
         constants_of_robot_trial(

@@ -24,42 +24,73 @@ from ..integrate import Effect, Parameter
 
 EFFECT_KIND = "residual"
 SurgeSwayYaw = tuple[float, float, float]
-MIDDLE = (0.5, 0.5)
-POINTS_AT_THE_WALLS = ((0.0, 0.0), (0.0, 0.5), (0.0, 1.0), (0.5, 0.0), (0.5, 1.0), (1.0, 0.0),
-                       (1.0, 0.5), (1.0, 1.0))  # fmt: skip
+POOL_CENTRE_FRACTIONS = (0.5, 0.5)
+WALL_ANCHOR_POINT_FRACTIONS = (
+    (0.0, 0.0),
+    (0.0, 0.5),
+    (0.0, 1.0),
+    (0.5, 0.0),
+    (0.5, 1.0),
+    (1.0, 0.0),
+    (1.0, 0.5),
+    (1.0, 1.0),
+)
 """Corners of the pool and middles of its walls, in its length and width."""
-TRIED_SLACK = 0.25
+TRIED_SLACK_OVER_POOL_LENGTH = 0.25
 """Slack that is tried besides none, over the length of the pool: a start of fits, without a part in
 the evidence."""
-TRIES = (*((*point, 0.0) for point in POINTS_AT_THE_WALLS),
-         *((*point, TRIED_SLACK) for point in (MIDDLE, *POINTS_AT_THE_WALLS)))  # fmt: skip
+TRIED_ANCHOR_POINTS_AND_SLACKS = (
+    *((*point, 0.0) for point in WALL_ANCHOR_POINT_FRACTIONS),
+    *(
+        (*point, TRIED_SLACK_OVER_POOL_LENGTH)
+        for point in (POOL_CENTRE_FRACTIONS, *WALL_ANCHOR_POINT_FRACTIONS)
+    ),
+)
 """Points and slacks that are tried, besides the middle of the pool without slack."""
-ROUNDING_SHARE = 1e-3
+CABLE_SMOOTHING_LENGTH_RATIO = 1e-3
 """e above, over the unit of length of the robot: 1 mm for the published one."""
-STIFFNESS = Parameter("stiffness", "N/m", 0.01, -50.0, 50.0, "force per metre of extension",
-                      symbol="k")  # fmt: skip
-TORSION_STIFFNESS = Parameter("stiffness", "N m", 0.001, -50.0, 50.0, "moment per radian",
-                              symbol="k")  # fmt: skip
+CABLE_STIFFNESS_PARAMETER = Parameter(
+    "stiffness", "N/m", 0.01, -50.0, 50.0, "force per metre of extension", symbol="k"
+)
+CABLE_TORSION_STIFFNESS_PARAMETER = Parameter(
+    "stiffness", "N m", 0.001, -50.0, 50.0, "moment per radian", symbol="k"
+)
 
 
-def _slack(tries: tuple[float, ...]) -> Parameter:
+def _cable_slack_parameter(tries: tuple[float, ...]) -> Parameter:
     return Parameter("slack", "1", 0.0, 0.0, 1.0, "slack of the cable, over the pool's length",
                      tries=tries, symbol="s")  # fmt: skip
 
 
-POINT = (
-    Parameter("length_share", "1", MIDDLE[0], 0.0, 1.0, "x of the point, over the pool's length",
-              tries=tuple(a for a, _, _ in TRIES), symbol="a"),
-    Parameter("width_share", "1", MIDDLE[1], 0.0, 1.0, "y of the point, over the pool's width",
-              tries=tuple(b for _, b, _ in TRIES), symbol="b"),
-)  # fmt: skip
+ANCHOR_POINT_PARAMETERS = (
+    Parameter(
+        "length_share",
+        "1",
+        POOL_CENTRE_FRACTIONS[0],
+        0.0,
+        1.0,
+        "x of the point, over the pool's length",
+        tries=tuple(a for a, _, _ in TRIED_ANCHOR_POINTS_AND_SLACKS),
+        symbol="a",
+    ),
+    Parameter(
+        "width_share",
+        "1",
+        POOL_CENTRE_FRACTIONS[1],
+        0.0,
+        1.0,
+        "y of the point, over the pool's width",
+        tries=tuple(b for _, b, _ in TRIED_ANCHOR_POINTS_AND_SLACKS),
+        symbol="b",
+    ),
+)
 
 
-def pull_towards(
+def cable_force_towards_point(
     dx: float, dy: float, cpsi: float, spsi: float, length_unit: float, k: float, s: float
 ) -> SurgeSwayYaw:
     """Surge and sway force (N) of a cable to a point (dx, dy) away in pool coordinates (m)."""
-    rounding = ROUNDING_SHARE * length_unit
+    rounding = CABLE_SMOOTHING_LENGTH_RATIO * length_unit
     distance = math.sqrt(dx * dx + dy * dy + rounding * rounding)
     extension = 0.5 * (
         distance - s + math.sqrt((distance - s) * (distance - s) + rounding * rounding)
@@ -74,7 +105,7 @@ def pull_to_pool_point(
 ) -> SurgeSwayYaw:  # fmt: skip
     """Surge and sway force (N)."""
     dx, dy = a * L_pool - x, b * W_pool - y
-    return pull_towards(dx, dy, cpsi, spsi, length_unit, k, s * L_pool)
+    return cable_force_towards_point(dx, dy, cpsi, spsi, length_unit, k, s * L_pool)
 
 
 def pull_to_start(
@@ -82,7 +113,7 @@ def pull_to_start(
     length_unit: float, k: float, s: float,
 ) -> SurgeSwayYaw:  # fmt: skip
     """Surge and sway force (N)."""
-    return pull_towards(x0 - x, y0 - y, cpsi, spsi, length_unit, k, s * L_pool)
+    return cable_force_towards_point(x0 - x, y0 - y, cpsi, spsi, length_unit, k, s * L_pool)
 
 
 def torsion_since_start(psi: float, psi0: float, k: float) -> SurgeSwayYaw:
@@ -107,14 +138,30 @@ def _residual_effect(
 
 
 RESIDUAL_FORCE_EFFECTS = (
-    _residual_effect(pull_to_pool_point,
-                     "A force acts towards a point in the pool, or away from it.",
-                     (STIFFNESS, _slack(tuple(s for _, _, s in TRIES)), *POINT),
-                     channels=("surge", "sway"), variable="distance from a point"),
-    _residual_effect(pull_to_start, "A force acts towards the start of the trial, or away from it.",
-                     (STIFFNESS, _slack((TRIED_SLACK,))), channels=("surge", "sway"),
-                     variable="distance from the start"),
-    _residual_effect(torsion_since_start, "A moment acts in proportion to the angle turned.",
-                     (TORSION_STIFFNESS,), channels=("yaw",), variable="angle turned"),
-)  # fmt: skip
+    _residual_effect(
+        pull_to_pool_point,
+        "A force acts towards a point in the pool, or away from it.",
+        (
+            CABLE_STIFFNESS_PARAMETER,
+            _cable_slack_parameter(tuple(s for _, _, s in TRIED_ANCHOR_POINTS_AND_SLACKS)),
+            *ANCHOR_POINT_PARAMETERS,
+        ),
+        channels=("surge", "sway"),
+        variable="distance from a point",
+    ),
+    _residual_effect(
+        pull_to_start,
+        "A force acts towards the start of the trial, or away from it.",
+        (CABLE_STIFFNESS_PARAMETER, _cable_slack_parameter((TRIED_SLACK_OVER_POOL_LENGTH,))),
+        channels=("surge", "sway"),
+        variable="distance from the start",
+    ),
+    _residual_effect(
+        torsion_since_start,
+        "A moment acts in proportion to the angle turned.",
+        (CABLE_TORSION_STIFFNESS_PARAMETER,),
+        channels=("yaw",),
+        variable="angle turned",
+    ),
+)
 """Residual terms of a cable."""

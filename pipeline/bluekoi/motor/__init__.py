@@ -9,4 +9,4 @@ from .clock_comparison import (
 from .log_video_delay import log_lead_from_beat_phases
 from .motor_log import flapping_from_log, read_log
 from .tail_beat import tail_beat_from_video, tail_beat_lag, video_to_motor_frequency_ratio
-from .trial_flapping import flapping_record, trial_flapping
+from .trial_flapping import flapping_as_json, trial_flapping

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..data import Float, Pose, Positions, is_confident
+from ..data import Float, KeypointPositions, Pose, is_confident
 from .shaft_angle import wrap_angle
 
 TAIL_ANGLE_KEYPOINTS = ("tail_tip", "tail_base", "core_center")
 """Keypoints between which the tail's angle is measured."""
 FREQUENCIES_PER_BATCH = 32
 """Frequencies whose spectrum is computed at once: their arrays stay in the cache."""
-BACKGROUND_PERIOD_BEATS = 3.0
+BEATS_PER_SLOW_TREND_TERM = 3.0
 """The slow background has one spline knot per so many beats."""
 
 
-def beat_signal(source: Positions | Pose) -> tuple[Float, Float]:
+def beat_signal(source: KeypointPositions | Pose) -> tuple[Float, Float]:
     """Times and beating angle (rad) in the frames where it is seen."""
     if isinstance(source, Pose):
         angle = source.values[:, 2]
@@ -27,7 +27,7 @@ def beat_signal(source: Positions | Pose) -> tuple[Float, Float]:
     return source.time_s[seen], angle[seen]
 
 
-def tail_angle(positions: Positions) -> Float:
+def tail_angle(positions: KeypointPositions) -> Float:
     """Angle of the tail to the core (frames,), rad; NaN where a keypoint is not seen."""
     tail = positions.part("tail_tip") - positions.part("tail_base")
     core = positions.part("tail_base") - positions.part("core_center")
@@ -41,7 +41,7 @@ def tail_angle(positions: Positions) -> Float:
 def slow_trend_basis(time_s: Float, reference_hz: float) -> Float:
     """Slow curve: low cosines (Chebyshev in time), (frames, terms)."""
     span = float(np.ptp(time_s))
-    terms = int(np.clip(span * reference_hz / BACKGROUND_PERIOD_BEATS, 2, 12))
+    terms = int(np.clip(span * reference_hz / BEATS_PER_SLOW_TREND_TERM, 2, 12))
     scaled = 2 * (time_s - time_s[0]) / span - 1
     return np.polynomial.chebyshev.chebvander(scaled, terms)
 

@@ -21,13 +21,14 @@ from .shaft_angle import wrap_angle
 LAG_TOLERANCE_RAD = 0.7
 """Lags within this of each other are alike. Of 1302 lags in 68 simulated studies, 90 % are within
 0.02 and 98 % within 0.7 of the mean of their study; a lag by chance is so in 22 % of all cases."""
-MIN_ALIKE_TRIALS = 3
+MIN_TRIALS_WITH_EQUAL_LAG = 3
 """Two trials out of step are alike by chance in 22 % of all cases, three in 5 %."""
 MIN_DEVIATING_TRIALS = 2
-"""Besides `MIN_ALIKE_TRIALS` that are alike; a single trial is out of step by itself. With 98 % of
-the lags alike and the others arbitrary, two groups appear by chance in 0.05 % of all cases with
-five trials and in 0.4 % with twelve (20,000 draws each; a test repeats the latter). If all lags are
-arbitrary, they appear in 10 % with five and in 84 % with eight, mostly beside further lags.
+"""Besides `MIN_TRIALS_WITH_EQUAL_LAG` that are alike; a single trial is out of step by itself. With
+98 % of the lags alike and the others arbitrary, two groups appear by chance in 0.05 % of all cases
+with five trials and in 0.4 % with twelve (20,000 draws each; a test repeats the latter). If all
+lags are arbitrary, they appear in 10 % with five and in 84 % with eight, mostly beside further
+lags.
 """
 HALF_BEAT_TOLERANCE_BEATS = 0.05
 """Lags within this of half a beat have a second explanation."""
@@ -35,7 +36,7 @@ HALF_BEAT_REMEDY = (
     " A lag of half a beat is also that of a mirrored picture, and of keypoints that were averaged "
     "over more than a beat."
 )
-REMEDY = (
+LOG_SYNCHRONY_REMEDY = (
     "Do video and log begin together, is the beginning of the video cut off, and is the log this "
     "trial's? Check motor_log and start_s."
 )
@@ -55,7 +56,7 @@ def log_synchrony_warnings(
     beats = {name: beat for name, beat in seen.items() if _is_lag_meaningful(beat)}
     return [
         *_shared_log_warnings(trials),
-        *_out_of_step_warnings(beats),
+        *_deviating_lag_warnings(beats),
         *_several_lags_warnings(beats),
     ]
 
@@ -73,12 +74,13 @@ def _shared_log_warnings(trials: Mapping[str, Trial]) -> list[str]:
     ]
 
 
-def _out_of_step_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def _deviating_lag_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
     off = lag_deviations_from_majority(*_frequencies_and_lags(beats))
     return [
         f"Trial {name}: the tail beats {abs(by) / (2 * np.pi * beat['flap_hz']) * 1e3:.0f} ms "
         f"{'before' if by < 0 else 'after'} the time at which the motor log and the other trials "
-        f"have it, or that and whole beats of {1e3 / beat['flap_hz']:.0f} ms. {REMEDY}"
+        f"have it, or that and whole beats of {1e3 / beat['flap_hz']:.0f} ms. "
+        f"{LOG_SYNCHRONY_REMEDY}"
         f"{_half_beat_remedy(by / (2.0 * np.pi))}"
         for (name, beat), by in zip(beats.items(), off, strict=True)
         if by != 0.0
@@ -90,7 +92,7 @@ def _several_lags_warnings(beats: Mapping[str, Mapping[str, Any]]) -> list[str]:
     return [
         _scattered_delays_warning(names, hz, groups) if groups.is_scattered
         else _two_delays_warning(names, hz, groups)
-        for groups in repeats_with_several_lags(hz, lag)
+        for groups in lag_groups_of_repeats(hz, lag)
     ]  # fmt: skip
 
 
@@ -140,16 +142,16 @@ def lag_deviations_from_majority(flap_hz: Float, lag_rad: Float) -> Float:
     alike, and for all trials where no more than half of them are alike. Trials of one frequency
     that agree with each other have a common delay, or a tail that bends: they are not out of step.
     """
-    alike = _are_alike(lag_rad)
+    alike = _lags_agree(lag_rad)
     most = alike[int(np.argmax(alike.sum(axis=1)))] if len(lag_rad) else alike
-    if most.sum() < MIN_ALIKE_TRIALS or 2 * most.sum() <= len(lag_rad):
+    if most.sum() < MIN_TRIALS_WITH_EQUAL_LAG or 2 * most.sum() <= len(lag_rad):
         return np.zeros(len(lag_rad))
     off = wrap_angle(lag_rad - np.angle(np.exp(1j * lag_rad[most]).sum()))
     confirmed = (alike & are_repeats(flap_hz)).sum(axis=1) > 1
     return np.where((np.abs(off) > LAG_TOLERANCE_RAD) & ~confirmed, off, 0.0)
 
 
-def _are_alike(lag_rad: Float) -> np.ndarray:
+def _lags_agree(lag_rad: Float) -> np.ndarray:
     """Whether lags are within `LAG_TOLERANCE_RAD` of each other, (n, n)."""
     apart = wrap_angle(lag_rad[None, :] - lag_rad[:, None])
     return np.asarray(np.abs(apart) <= LAG_TOLERANCE_RAD)
@@ -175,13 +177,13 @@ class LagGroups:
         return len(self.others) >= MIN_DEVIATING_TRIALS and 2 * len(self.largest) <= total
 
 
-def repeats_with_several_lags(flap_hz: Float, lag_rad: Float) -> list[LagGroups]:
-    """Trials of one frequency whose lags (n,) differ: at least `MIN_ALIKE_TRIALS` are alike, and
-    at least `MIN_DEVIATING_TRIALS` others.
+def lag_groups_of_repeats(flap_hz: Float, lag_rad: Float) -> list[LagGroups]:
+    """Trials of one frequency whose lags (n,) differ: at least `MIN_TRIALS_WITH_EQUAL_LAG` are
+    alike, and at least `MIN_DEVIATING_TRIALS` others.
 
     One delay of all logs, or a tail that bends, changes all lags at a frequency alike.
     """
-    alike, repeats = _are_alike(lag_rad), are_repeats(flap_hz)
+    alike, repeats = _lags_agree(lag_rad), are_repeats(flap_hz)
     left, found = np.ones(len(lag_rad), dtype=bool), []
     while left.any():
         near = repeats & left
@@ -191,7 +193,7 @@ def repeats_with_several_lags(flap_hz: Float, lag_rad: Float) -> list[LagGroups]
         largest = pairs[int(np.argmax(pairs.sum(axis=1)))]
         rest = pairs & ~largest & ~largest[:, None]
         second = rest[int(np.argmax(rest.sum(axis=1)))]
-        if largest.sum() >= MIN_ALIKE_TRIALS and second.sum() >= MIN_DEVIATING_TRIALS:
+        if largest.sum() >= MIN_TRIALS_WITH_EQUAL_LAG and second.sum() >= MIN_DEVIATING_TRIALS:
             mean, other = (np.exp(1j * lag_rad[some]).sum() for some in (largest, second))
             found.append(LagGroups(
                 largest=np.flatnonzero(largest), second=np.flatnonzero(second),

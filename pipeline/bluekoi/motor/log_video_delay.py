@@ -28,9 +28,9 @@ PHASE_LAG_STD_RAD = 0.05
 UNMODELLED_TAIL_LAG_STD_S = (
     0.03  # ASSUME the lag that a tail gains with frequency looks like at most this delay
 )
-MIN_TRIALS = 6
+MIN_TRIALS_FOR_DELAY = 6
 """Trials without which no delay is estimated."""
-MAX_P_VALUE = 1e-3
+MIN_FIT_P_VALUE = 1e-3
 """A fit whose misfit is less probable than this is refused."""
 MIN_CHI2_GAIN_OVER_OTHER_DELAYS = 12.0
 """Any other delay must fit worse by this, in chi squared, but for what a hill is not a parabola."""
@@ -44,7 +44,7 @@ def log_lead_from_beat_phases(
     lags of the trials (n,); None where they are inconsistent or fit several delays. The scatter of
     lags is estimated from the trials at one frequency.
     """
-    if len(flap_hz) < MIN_TRIALS:
+    if len(flap_hz) < MIN_TRIALS_FOR_DELAY:
         return None
     repeats = are_repeats(flap_hz)
     scatter = _lag_std_of_repeats(lag_rad, repeats)
@@ -57,7 +57,7 @@ def log_lead_from_beat_phases(
     misfit = wrap_angle(angles - middle[:, None]) ** 2 @ weights
     best = int(np.argmin(misfit))
     spread = weights @ (flap_hz - weights @ flap_hz / weights.sum()) ** 2
-    if not spread > 0 or misfit[best] > chdtri(len(flap_hz) - 2, MAX_P_VALUE):
+    if not spread > 0 or misfit[best] > chdtri(len(flap_hz) - 2, MIN_FIT_P_VALUE):
         return None
     std = float(1.0 / (2 * np.pi * np.sqrt(spread)))
     if std > MAX_DELAY_S:

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..data import FlappingFrequency, Positions, SteadyState
+from ..data import FlappingFrequency, KeypointPositions, SteadyState
 from ..study import Robot
 from .clock_comparison import CLOCK_RATIO_TOLERANCE, MAX_RELATIVE_CLOCK_ERROR
 from .motor_log import MIN_LOGGED_SHARE
@@ -35,7 +35,7 @@ PLAUSIBLE_RANGES: Mapping[str, tuple[float, float, str]] = {
 """Plausible range of each number and its name. Sources: Videler, Fish Swimming, 1993, ch. 1 and 5
 (speed, stride); Hoerner, Fluid-Dynamic Drag, 1965, ch. 11 (wave drag); Triantafyllou et al., J.
 Fluids Struct. 7 (1993) 205 (Strouhal number, thrust above 0.1)."""
-CLOCK_TOLERANCE = 0.01
+CLOCK_RATIO_WARNING_TOLERANCE = 0.01
 """Clocks that differ by less than this share are left to the search, without a warning."""
 TAIL_LENGTH_RATIO_RANGE = (0.6, 1.3)
 """Distance from tail base to tail tip over tail_length_m: a bent tail is shorter than stated."""
@@ -46,7 +46,7 @@ CHECK_LENGTHS_REMEDY = (
 
 
 def dimensionless_swimming_numbers(
-    steady: SteadyState, flapping: FlappingFrequency, positions: Positions, robot: Robot
+    steady: SteadyState, flapping: FlappingFrequency, positions: KeypointPositions, robot: Robot
 ) -> dict[str, float]:
     """Dimensionless numbers of one trial, as in `PLAUSIBLE_RANGES`; NaN where not known."""
     length, speed, hz = robot.body_length_m, steady.speed_m_s, flapping.flap_hz
@@ -89,9 +89,14 @@ def clock_and_length_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list
 
 def _disagreeing_clock_ratios(good: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
     """Trial -> tail-beat frequency in the video over the motor's, of trials whose clocks differ."""
-    return {i: f["ratio"] for i, s in good.items()
-            if (f := s.get("flapping")) and f.get("ratio") is not None
-            and not f["agrees"] and abs(f["ratio"] - 1) > CLOCK_TOLERANCE}  # fmt: skip
+    return {
+        i: f["ratio"]
+        for i, s in good.items()
+        if (f := s.get("flapping"))
+        and f.get("ratio") is not None
+        and not f["agrees"]
+        and abs(f["ratio"] - 1) > CLOCK_RATIO_WARNING_TOLERANCE
+    }
 
 
 def exchanged_recordings(statuses: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str]]:
@@ -115,7 +120,7 @@ def exchanged_recordings(statuses: Mapping[str, Mapping[str, Any]]) -> list[tupl
     return [pair for pair in pairs if all(seen[name] == 1 for name in pair)]
 
 
-def tail_length_seen(positions: Positions) -> float:
+def median_tail_length_m(positions: KeypointPositions) -> float:
     """Median distance from tail base to tail tip, m; NaN where one of them was not tracked."""
     if not {"tail_tip", "tail_base"} <= set(positions.names):
         return float("nan")
@@ -124,7 +129,9 @@ def tail_length_seen(positions: Positions) -> float:
     return float(np.median(known)) if len(known) else float("nan")
 
 
-def tail_warnings(statuses: Mapping[str, Mapping[str, Any]], tail_length_m: float) -> list[str]:
+def tail_length_warnings(
+    statuses: Mapping[str, Mapping[str, Any]], tail_length_m: float
+) -> list[str]:
     """A sentence where the tail of most trials has another length than study.yaml states. The fits
     do not show it: only some of the candidate causes depend on it, inversely.
     """

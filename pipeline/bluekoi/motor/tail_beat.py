@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ..data import FlappingFrequency, Float, Pose, Positions
+from ..data import FlappingFrequency, Float, KeypointPositions, Pose
 from ..data.keypoint_quality import correlation_time_samples
 from .beat_regression import (
     TAIL_ANGLE_KEYPOINTS,
@@ -22,9 +22,9 @@ from .beat_regression import (
     tail_angle,
 )
 
-FRAME_RATE_FACTORS = (1 / 8, 1 / 4, 1 / 2, 2.0, 4.0, 8.0)
+FRAME_RATE_ERROR_FACTORS = (1 / 8, 1 / 4, 1 / 2, 2.0, 4.0, 8.0)
 """Usual mistakes of a frame rate: slow motion played at another rate, 240 for 29.97, and so on."""
-MIN_LINE_TO_BACKGROUND_POWER_RATIO = 2.0
+MIN_AMPLITUDE_RATIO_TO_REPLACE_BEAT = 2.0
 MAX_BEAT_STD_SHARE = 1e-3
 """Relative deviation of a tail beat that is there: noise alone gives ten times that."""
 ALIAS_TOLERANCE = 0.01
@@ -42,7 +42,7 @@ MAX_BEAT_LAG_STD_RAD = 0.5
 
 
 def tail_beat_from_video(
-    source: Positions | Pose,
+    source: KeypointPositions | Pose,
     guess_hz: float = float("nan"),
     *,
     flapping: FlappingFrequency | None = None,
@@ -70,11 +70,13 @@ def tail_beat_from_video(
     )
     low, high = near if guessed else (2 / span, 0.45 / step)
     reference = guess_hz if guessed else np.sqrt(low * high)
-    warp = _time_even_in_motor_phase(time_s, flapping)
+    warp = _time_warped_to_motor_phase(time_s, flapping)
     return _search_beat_frequency(warp, signal, (low, high), slow_trend_basis(time_s, reference))
 
 
-def tail_beat_lag(source: Positions | Pose, flapping: FlappingFrequency) -> tuple[float, float]:
+def tail_beat_lag(
+    source: KeypointPositions | Pose, flapping: FlappingFrequency
+) -> tuple[float, float]:
     """By how much the tail beat is behind the motor's shaft at the same time, and the standard
     deviation, rad; NaN where either is not seen.
 
@@ -105,14 +107,14 @@ def tail_beat_lag(source: Positions | Pose, flapping: FlappingFrequency) -> tupl
 
 
 def video_to_motor_frequency_ratio(
-    source: Positions | Pose, flapping: FlappingFrequency
+    source: KeypointPositions | Pose, flapping: FlappingFrequency
 ) -> tuple[float, float]:
     """Tail-beat frequency in the video over that of the motor, and its standard deviation.
 
     NaN where no tail beat is clear. A frame rate stated k times too high makes the ratio k. The
-    beat is sought around the motor's frequency, around `FRAME_RATE_FACTORS` times it with the
+    beat is sought around the motor's frequency, around `FRAME_RATE_ERROR_FACTORS` times it with the
     motor's own rate over time, then over all frequencies below half the frame rate. A beat near the
-    motor's frequency is replaced only by one `MIN_LINE_TO_BACKGROUND_POWER_RATIO` times as strong,
+    motor's frequency is replaced only by one `MIN_AMPLITUDE_RATIO_TO_REPLACE_BEAT` times as strong,
     so that no harmonic is taken for the beat. One that may be an alias is not used.
     """
     motor_hz = flapping.flap_hz
@@ -122,8 +124,8 @@ def video_to_motor_frequency_ratio(
     alias = hz * step > 0.5 and abs(hz / motor_hz - 1) > ALIAS_TOLERANCE
     known, least = (float("nan"), float("nan")) if alias else (hz, std), 0.0
     if np.isfinite(known[0]):
-        least = MIN_LINE_TO_BACKGROUND_POWER_RATIO * _beat_amplitude_rad(source, hz, flapping)
-    for factor in FRAME_RATE_FACTORS:
+        least = MIN_AMPLITUDE_RATIO_TO_REPLACE_BEAT * _beat_amplitude_rad(source, hz, flapping)
+    for factor in FRAME_RATE_ERROR_FACTORS:
         stretched = replace(source, time_s=source.time_s * factor)
         hz, std = tail_beat_from_video(stretched, motor_hz, flapping=flapping)
         clear = std < MAX_BEAT_STD_SHARE * hz and hz * step * factor < 0.5
@@ -147,16 +149,18 @@ def _is_alias_of(beat_hz: float, seen_hz: float, step_s: float) -> bool:
     return abs(folded_hz - seen_hz) < ALIAS_TOLERANCE * beat_hz
 
 
-def _beat_amplitude_rad(source: Positions | Pose, hz: float, flapping: FlappingFrequency) -> float:
+def _beat_amplitude_rad(
+    source: KeypointPositions | Pose, hz: float, flapping: FlappingFrequency
+) -> float:
     """Amplitude of the beat at this frequency, rad."""
     time_s, signal = beat_signal(source)
     design = _design_matrix(
-        hz, _time_even_in_motor_phase(time_s, flapping), np.ones((len(time_s), 1))
+        hz, _time_warped_to_motor_phase(time_s, flapping), np.ones((len(time_s), 1))
     )
     return float(np.hypot(*np.linalg.lstsq(design, signal, rcond=None)[0][:2]))
 
 
-def tail_excursion(positions: Positions) -> float:
+def tail_excursion(positions: KeypointPositions) -> float:
     """Peak-to-peak lateral excursion of the tail tip about the core axis, m; NaN where not seen.
 
     2 sqrt(2) times the standard deviation of (tail tip - tail base) across the core.
@@ -187,7 +191,7 @@ def _search_beat_frequency(
     return _frequency_and_std(float(found.x), time_s, signal, background, weights)
 
 
-def _time_even_in_motor_phase(time_s: Float, flapping: FlappingFrequency | None) -> Float:
+def _time_warped_to_motor_phase(time_s: Float, flapping: FlappingFrequency | None) -> Float:
     """Time that passes evenly in motor phase: integral of hz(t) / flap_hz."""
     if flapping is None or len(flapping.hz) < 3:
         return time_s

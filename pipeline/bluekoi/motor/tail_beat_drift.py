@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..data import Float, Positions
+from ..data import Float, KeypointPositions
 from ..data.keypoint_quality import correlation_time_samples
 from .beat_regression import beat_signal, robust_weights, slow_trend_basis
 from .spin_up import spin_up_end_s
@@ -27,11 +27,11 @@ DRIFT_PHASE_STEP_RAD = 0.8
 what turns the wave around."""
 MID_TRIAL_TO_MEAN_FREQUENCY_TOLERANCE_SHARE = 0.1
 """The frequency in mid-trial is within this share of the mean over the trial."""
-MAX_DRIFT_BEATS = 300
+MAX_BEATS_FOR_DRIFT = 300
 """Beats after the spin-up of which the drift is measured, to limit the computing time."""
-COARSE_FRAMES_PER_BEAT = 16
+COARSE_SEARCH_FRAMES_PER_BEAT = 16
 """Frames of a beat used to find the neighbourhood of its frequency and drift."""
-MIN_DRIFT_FRAMES = 40
+MIN_FRAMES_FOR_DRIFT = 40
 """Frames after the spin-up without which no drift is looked for."""
 REGRESSION_ROUNDS = 8
 """Gauss-Newton steps, each with new robust weights."""
@@ -40,7 +40,7 @@ FALSE_ALARM_PROBABILITY = 1e-3
 UNKNOWN_DRIFT = (float("nan"), float("nan"))
 
 
-def tail_beat_drift(positions: Positions, beat_hz: float) -> tuple[float, float]:
+def tail_beat_drift(positions: KeypointPositions, beat_hz: float) -> tuple[float, float]:
     """Relative change of the tail beat's frequency per second (1/s) after the motor's spin-up, and
     its standard deviation; NaN where it is not seen.
 
@@ -48,20 +48,20 @@ def tail_beat_drift(positions: Positions, beat_hz: float) -> tuple[float, float]
     no drift.
     """
     time_s, signal = beat_signal(positions)
-    if len(time_s) < MIN_DRIFT_FRAMES or not beat_hz > 0:
+    if len(time_s) < MIN_FRAMES_FOR_DRIFT or not beat_hz > 0:
         return UNKNOWN_DRIFT
     begin = spin_up_end_s(float(time_s[0]), float(time_s[-1]))
-    used = (time_s > begin) & (time_s < begin + MAX_DRIFT_BEATS / beat_hz)
+    used = (time_s > begin) & (time_s < begin + MAX_BEATS_FOR_DRIFT / beat_hz)
     t, signal = time_s[used], signal[used]
     t = t - 0.5 * (t[0] + t[-1]) if len(t) else t
-    if len(t) < MIN_DRIFT_FRAMES or beat_hz * float(np.median(np.diff(t))) > 0.5:
+    if len(t) < MIN_FRAMES_FOR_DRIFT or beat_hz * float(np.median(np.diff(t))) > 0.5:
         return UNKNOWN_DRIFT
     background = slow_trend_basis(t, beat_hz)
-    start, tried = _coarse_optimum(t, signal, background, beat_hz)
+    start, tried = _grid_search_frequency_and_drift(t, signal, background, beat_hz)
     return _drift_regression(t, signal, background, start, tried)
 
 
-def _coarse_optimum(
+def _grid_search_frequency_and_drift(
     t: Float, signal: Float, background: Float, beat_hz: float
 ) -> tuple[tuple[float, float], int]:
     """Frequency (Hz) and drift (1/s) of the largest power on a grid, and the grid's size.
@@ -69,9 +69,11 @@ def _coarse_optimum(
     Of a signal s without its background, the power of a beat of frequency f at t = 0 that changes
     by c = f d (Hz/s) is |sum_t s exp(-2 pi i (f t + c t^2 / 2))|^2: one matrix product for all f
     and c. A frequency that changes by more than half up to the ends of the trial is not looked for.
-    `COARSE_FRAMES_PER_BEAT` frames a beat are used.
+    `COARSE_SEARCH_FRAMES_PER_BEAT` frames a beat are used.
     """
-    thin = max(1, int(1.0 / (COARSE_FRAMES_PER_BEAT * beat_hz * float(np.median(np.diff(t))))))
+    thin = max(
+        1, int(1.0 / (COARSE_SEARCH_FRAMES_PER_BEAT * beat_hz * float(np.median(np.diff(t)))))
+    )
     t, signal, background = t[::thin], signal[::thin], background[::thin]
     span = float(np.ptp(t))
     step = DRIFT_PHASE_STEP_RAD / (np.pi * beat_hz * (0.5 * span) ** 2)

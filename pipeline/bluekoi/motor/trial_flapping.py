@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..data import FlappingFrequency, Positions
+from ..data import FlappingFrequency, KeypointPositions
 from ..errors import input_error
 from ..study import Study, Trial
 from .clock_comparison import flapping_compared_with_video, flapping_from_stated_frequency
@@ -22,7 +22,7 @@ from .tail_beat import (
 from .tail_beat_drift import tail_beat_drift
 
 
-def trial_flapping(study: Study, trial: Trial, positions: Positions) -> FlappingFrequency:
+def trial_flapping(study: Study, trial: Trial, positions: KeypointPositions) -> FlappingFrequency:
     """Flapping frequency by motor log, else as given, else from the tail in the video.
 
     Raises: InputError where none of the three gives it.
@@ -47,14 +47,16 @@ def trial_flapping(study: Study, trial: Trial, positions: Positions) -> Flapping
     return replace(found, beat_lag_rad=lag, beat_lag_std_rad=std)
 
 
-def _with_drift_in_video(flapping: FlappingFrequency, positions: Positions) -> FlappingFrequency:
+def _with_drift_in_video(
+    flapping: FlappingFrequency, positions: KeypointPositions
+) -> FlappingFrequency:
     """Flapping without a motor log, with the drift of the tail beat that the video shows."""
     drift, std = tail_beat_drift(positions, flapping.video_hz)
     return replace(flapping, drift_per_s=drift, drift_std_per_s=std)
 
 
 def _with_beat_of_stopped_motor(
-    flapping: FlappingFrequency, positions: Positions
+    flapping: FlappingFrequency, positions: KeypointPositions
 ) -> FlappingFrequency:
     """A frequency of 0, which a clear tail beat contradicts."""
     hz, std = tail_beat_from_video(positions)
@@ -68,7 +70,7 @@ def _with_beat_of_stopped_motor(
 
 
 def _with_coverage_remark(
-    log: Path, flapping: FlappingFrequency, positions: Positions
+    log: Path, flapping: FlappingFrequency, positions: KeypointPositions
 ) -> FlappingFrequency:
     share = motor_log_coverage(log, flapping, (positions.time_s[0], positions.time_s[-1]))
     if share >= MIN_LOGGED_SHARE:
@@ -79,7 +81,9 @@ def _with_coverage_remark(
     return replace(flapping, remarks=(*flapping.remarks, remark))
 
 
-def _flapping_from_video(study: Study, trial: Trial, positions: Positions) -> FlappingFrequency:
+def _flapping_from_video(
+    study: Study, trial: Trial, positions: KeypointPositions
+) -> FlappingFrequency:
     hz, std = tail_beat_from_video(positions)
     if not hz > 0:
         raise input_error(
@@ -94,7 +98,7 @@ def _flapping_from_video(study: Study, trial: Trial, positions: Positions) -> Fl
     return _with_drift_in_video(seen, positions)
 
 
-def flapping_record(flapping: FlappingFrequency) -> dict[str, Any]:
+def flapping_as_json(flapping: FlappingFrequency) -> dict[str, Any]:
     """What status/ID.json says of the flapping frequency, by the names of `FlappingFrequency`."""
     names = ("flap_hz", "flap_hz_std", "source", "video_hz", "video_hz_std", "ratio", "ratio_std",
              "beat_lag_rad", "beat_lag_std_rad", "start_s", "lost_time_s", "drift_per_s",

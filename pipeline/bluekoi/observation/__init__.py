@@ -8,4 +8,4 @@ Candidate measurement errors add to these stages: one file each in `measurement/
 """
 
 from .equations import CLOCK_STAGE, OBSERVATION_STAGE, OBSERVED_QUANTITIES
-from .view import CameraErrorInputs, camera_error_inputs, constant_names
+from .trial_camera_errors import CameraErrorInputs, camera_error_constant_names, camera_error_inputs

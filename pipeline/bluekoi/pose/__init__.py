@@ -11,21 +11,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import Float, Pose, Positions, has_excess_variance
+from ..data import Float, KeypointPositions, Pose, has_excess_variance
 from ..errors import input_error
 from ..study import Robot
-from .body import RIGID_PARTS, RigidLengths, measured_rigid_lengths, trusted_points
 from .fit import (
     PoseFit,
     covariance_with_estimated_noise,
     robust_pose_fit,
-    systematic_offsets,
+    systematic_keypoint_offsets,
     usable_frames,
 )
+from .rigid_lengths import RIGID_PARTS, RigidLengths, measured_rigid_lengths, trusted_points
 
 LENGTH_TOLERANCE = 0.02
 """Relative error of a rigid length above which the pose carries a remark."""
-LONG_GAP_S = 1.0
+MIN_REPORTED_GAP_S = 1.0
 """Gap in the keypoints above which the track carries a remark."""
 UNWRAP_WINDOW_FRAMES = 9
 """Frames in the moving average of the direction; fewer where they span half a turn."""
@@ -39,7 +39,7 @@ exchanged labels, with a std of 4 rad, wound the heading by a whole turn.
 __all__ = ["RigidLengths", "measured_rigid_lengths", "rigid_pose", "unwrapped_angles"]
 
 
-def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose:
+def rigid_pose(positions: KeypointPositions, robot: Robot, head_length_m: float) -> Pose:
     """Pose [x, y of the centre of mass, core heading unwrapped, head angle] with cov, per frame.
 
     Weighted least squares on the points that count (`is_confident`); the head angle is core
@@ -49,7 +49,7 @@ def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose
     rigid body. A frame whose residual is larger than chance (1 in 100 000) loses its worst point.
     NaN where head_tip or two of the core's three points are not seen. cov (frames, 4, 4) is
     independent from frame to frame. Points with a systematic offset stay in every frame
-    (`systematic_offsets`).
+    (`systematic_keypoint_offsets`).
 
     Raises: InputError where no frame has enough points.
     """
@@ -58,7 +58,7 @@ def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose
     if not np.any(usable):
         raise _no_usable_keypoints_error(positions, xy)
     body = measured_rigid_lengths(xy, np.zeros_like(cov), robot, head_length_m)
-    offset = systematic_offsets(xy, body)
+    offset = systematic_keypoint_offsets(xy, body)
     cov = covariance_with_estimated_noise(xy, cov, replace(body, offset_m=offset))
     body = replace(measured_rigid_lengths(xy, cov, robot, head_length_m), offset_m=offset)
     fit, dropped = robust_pose_fit(xy, cov, body)
@@ -67,7 +67,7 @@ def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose
         *positions.remarks,
         *_length_remarks(body, robot, head_length_m),
         *_offset_remarks(body),
-        *_frame_remarks(positions.time_s, np.isfinite(values[:, 0]), dropped),
+        *_missing_frames_and_gap_remarks(positions.time_s, np.isfinite(values[:, 0]), dropped),
     )
     return Pose(positions.time_s, values, spread, remarks)
 
@@ -164,19 +164,21 @@ def _offset_remarks(body: RigidLengths) -> tuple[str, ...]:
     )
 
 
-def _frame_remarks(time_s: Float, known: np.ndarray, dropped: int) -> tuple[str, ...]:
+def _missing_frames_and_gap_remarks(
+    time_s: Float, known: np.ndarray, dropped: int
+) -> tuple[str, ...]:
     remarks = []
     if not np.all(known):
         remarks.append(f"pose: {int((~known).sum())} of {len(known)} frames lack keypoints")
     if dropped:
         remarks.append(f"pose: one keypoint left out in {dropped} frames, off the rigid body")
     gap = np.max(np.diff(time_s[known]), initial=0.0)
-    if gap > LONG_GAP_S:
+    if gap > MIN_REPORTED_GAP_S:
         remarks.append(f"pose: a gap of {gap:.1f} s; whole turns in it would not be noticed")
     return tuple(remarks)
 
 
-def _no_usable_keypoints_error(positions: Positions, xy: Float) -> Exception:
+def _no_usable_keypoints_error(positions: KeypointPositions, xy: Float) -> Exception:
     counts = np.isfinite(xy[:, :, 0]).sum(axis=0)
     seen = ", ".join(f"{name} in {n}" for name, n in zip(RIGID_PARTS, counts, strict=True))
     return input_error(

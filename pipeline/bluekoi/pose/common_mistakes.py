@@ -81,7 +81,9 @@ def _with_merged_angle_findings(study: Study, found: Sequence[InputIssue]) -> li
 def _with_merged_length_findings(study: Study, found: Sequence[InputIssue]) -> list[InputIssue]:
     wrong = [one for one in found if isinstance(one, LengthFinding)]
     unit_m = study.setup.robot.body_length_m
-    keys = {one.trial_id: _length_that_explains_errors(_errors_m(one) / unit_m) for one in wrong}
+    keys = {
+        one.trial_id: _length_that_explains_errors(_length_errors_m(one) / unit_m) for one in wrong
+    }
     key, times = Counter(keys.values()).most_common(1)[0] if keys else ("", 0)
     trials = sum(trial.reads_keypoints for trial in study.trials)
     if not key or times < MIN_AGREEING_TRIALS or 2 * times <= trials:
@@ -89,7 +91,7 @@ def _with_merged_length_findings(study: Study, found: Sequence[InputIssue]) -> l
     alike = [one for one in wrong if keys[one.trial_id] == key]
     seen = np.median([one.seen_m for one in alike], axis=0)
     count = f"in {times} of {trials} trials"
-    make = _hinge_finding if key == "hinge" else _body_finding
+    make = _hinge_to_com_finding if key == "hinge" else _body_or_head_length_finding
     merged = {one.trial_id for one in alike}
     others = (
         other
@@ -99,7 +101,7 @@ def _with_merged_length_findings(study: Study, found: Sequence[InputIssue]) -> l
     return [make(study, seen, count), *others]
 
 
-def _errors_m(one: LengthFinding) -> Float:
+def _length_errors_m(one: LengthFinding) -> Float:
     return np.array(one.seen_m) - np.array(one.stated_m)
 
 
@@ -116,7 +118,7 @@ def _length_that_explains_errors(errors: Float) -> str:
     return "body" if abs(tail) > MAX_KEYPOINT_ERROR_BODY_LENGTHS else ""
 
 
-def _hinge_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
+def _hinge_to_com_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
     stated = study.setup.robot.hinge_to_com_m
     return InputIssue(
         str(study.root / "study.yaml"),
@@ -127,7 +129,7 @@ def _hinge_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
     )
 
 
-def _body_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
+def _body_or_head_length_finding(study: Study, seen_m: Float, count: str) -> InputIssue:
     """Only the difference of body_length_m and head_length_m is seen: the latter is named first
     where a trial has the head that would fit.
     """

@@ -8,17 +8,17 @@ import numpy as np
 from scipy.special import chdtri
 
 from ..data import Float
-from .body import RigidLengths
+from .rigid_lengths import RigidLengths
 
-ITERATIONS = 6
+GAUSS_NEWTON_ITERATIONS = 6
 """Gauss-Newton steps of a pose, and rounds in which poses and noise are estimated in turn."""
-NOISE_ITERATIONS = 12
-FALSE_ALARM_PROBABILITY = 1e-5
+NOISE_ESTIMATION_ROUNDS = 12
+OUTLIER_FALSE_ALARM_PROBABILITY = 1e-5
 """Probability with which a right frame is taken for an outlier."""
 MIN_STD_M = 1e-6
 """Least standard deviation of a keypoint."""
 MIN_OFFSET_SIGMAS, MIN_OFFSET_SHARE = 2.0, 0.005
-MIN_FRAMES = 20
+MIN_FRAMES_FOR_OFFSETS = 20
 """Frames without which no systematic offset of a keypoint is estimated."""
 
 
@@ -49,7 +49,7 @@ def covariance_with_estimated_noise(xy: Float, cov: Float, body: RigidLengths) -
         return cov
     variance = np.full(4, 1e-6)
     filled, state = cov, _starting_state(xy, body)
-    for _ in range(NOISE_ITERATIONS):
+    for _ in range(NOISE_ESTIMATION_ROUNDS):
         filled = np.where(unknown[:, :, None, None], variance[:, None, None] * np.eye(2), cov)
         fit = fit_rigid_poses(xy, filled, body, state, iterations=2)
         state = np.nan_to_num(fit.state)
@@ -79,7 +79,7 @@ def fit_rigid_poses(
     body: RigidLengths,
     start: Float | None = None,
     *,
-    iterations: int = ITERATIONS,
+    iterations: int = GAUSS_NEWTON_ITERATIONS,
 ) -> PoseFit:
     """Pose of every frame by Gauss-Newton, from `start` (frames, 4) where one is known.
 
@@ -150,7 +150,7 @@ def _points_in_pool_frame(own: Float, axis: Float) -> Float:
     return own[:, :1] * axis[:, None] + own[:, 1:] * left[:, None]
 
 
-def systematic_offsets(xy: Float, body: RigidLengths) -> Float:
+def systematic_keypoint_offsets(xy: Float, body: RigidLengths) -> Float:
     """Systematic offset of each point (4, 2), along and to the left of its part, m.
 
     Median residual of the rigid body over all frames, all points of one weight; zero unless one of
@@ -163,7 +163,7 @@ def systematic_offsets(xy: Float, body: RigidLengths) -> Float:
     x, y = fit.residual[:, :, 0], fit.residual[:, :, 1]
     own = np.stack([cos * x + sin * y, cos * y - sin * x], axis=2)
     seen = np.isfinite(own).all(axis=(1, 2))
-    if seen.sum() < MIN_FRAMES:
+    if seen.sum() < MIN_FRAMES_FOR_OFFSETS:
         return np.zeros((4, 2))
     offset = np.median(own[seen], axis=0)
     spread = 1.48 * np.median(np.abs(own[seen] - offset), axis=0)
@@ -205,5 +205,5 @@ def degrees_of_freedom(xy: Float) -> Float:
 
 def _exceeds_misfit_limit(misfit: Float, xy: Float) -> np.ndarray:
     free = degrees_of_freedom(xy)
-    limit = chdtri(np.maximum(free, 1), FALSE_ALARM_PROBABILITY)
+    limit = chdtri(np.maximum(free, 1), OUTLIER_FALSE_ALARM_PROBABILITY)
     return (free > 0) & (np.nan_to_num(misfit) > limit)

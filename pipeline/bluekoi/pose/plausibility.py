@@ -12,12 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import Float, Pose, Positions
+from ..data import Float, KeypointPositions, Pose
 from ..errors import InputError, InputIssue, input_error
 from ..study import Study, Trial
 from . import rigid_pose
-from .body import measured_rigid_lengths, trusted_points
 from .common_mistakes import HeadAngleFinding, LengthFinding, seems_in_radians
+from .rigid_lengths import measured_rigid_lengths, trusted_points
 from .trial_comparison import (
     LENGTH_ENDPOINTS_AND_KEYS,
     MAX_KEYPOINT_ERROR_BODY_LENGTHS,
@@ -37,15 +37,15 @@ OUTSIDE_POOL_SHARE, OUTSIDE_FRAMES_SHARE = 0.1, 0.25
 """A quarter of the frames further beyond a wall than this share of the pool's longer side."""
 MIN_JUMP_LENGTHS, MAX_JUMP_DURATION_S, MIN_JUMP_STEP_RATIO = 0.5, 0.1, 10.0
 """A jump: half a body length and ten usual steps within 0.1 s, without coming back."""
-MEDIAN_HALF_WINDOW_FRAMES = 3
-MAX_REPEATED_SHARE = 0.75
+JUMP_PERSISTENCE_FRAMES = 3
+MAX_REPEATED_FRAMES_SHARE = 0.75
 """Share of the frames that may repeat the frame before, point by point: a recording whose rate was
 raised by a player shows each picture up to four times."""
 TRAVEL_DIRECTION_BASE_BODY_LENGTHS = 0.25
 """Directions of travel are taken over so many body lengths, at any frame rate."""
 
 
-def checked_rigid_pose(study: Study, trial: Trial, positions: Positions) -> Pose:
+def checked_rigid_pose(study: Study, trial: Trial, positions: KeypointPositions) -> Pose:
     """`rigid_pose` of a trial that may be as it is.
 
     Raises: InputError with all that cannot be right about the trial.
@@ -71,7 +71,7 @@ def checked_rigid_pose(study: Study, trial: Trial, positions: Positions) -> Pose
 
 
 def plausibility_findings(
-    study: Study, trial: Trial, positions: Positions, pose: Pose
+    study: Study, trial: Trial, positions: KeypointPositions, pose: Pose
 ) -> list[InputIssue]:
     """What cannot be right about a trial, with file, found, expected and remedy."""
     table, place = str(study.root / "trials.csv"), f"trial {trial.trial_id}"
@@ -85,11 +85,13 @@ def plausibility_findings(
     ]
 
 
-def _repeated_frames_findings(source: str, place: str, positions: Positions) -> list[InputIssue]:
+def _repeated_frames_findings(
+    source: str, place: str, positions: KeypointPositions
+) -> list[InputIssue]:
     xy, _ = trusted_points(positions)
     xy = xy[np.isfinite(xy).any(axis=(1, 2))]
     same = [np.array_equal(a, b, equal_nan=True) for a, b in itertools.pairwise(xy)]
-    if len(same) < 2 or np.mean(same) <= MAX_REPEATED_SHARE:
+    if len(same) < 2 or np.mean(same) <= MAX_REPEATED_FRAMES_SHARE:
         return []
     share = 100 * np.mean(same)
     found = f"keypoints that stay in place, to the last digit, in {share:.0f} % of the frames"
@@ -98,7 +100,7 @@ def _repeated_frames_findings(source: str, place: str, positions: Positions) -> 
 
 
 def _length_findings(
-    table: str, place: str, study: Study, trial: Trial, positions: Positions
+    table: str, place: str, study: Study, trial: Trial, positions: KeypointPositions
 ) -> list[InputIssue]:
     robot = study.setup.robot
     body = measured_rigid_lengths(*trusted_points(positions), robot, trial.head_length_m)
@@ -107,7 +109,7 @@ def _length_findings(
     said = np.array(list(stated_lengths(robot, trial).values()))
     scale = float(np.median(seen / said)) if (said > 0).all() else 1.0
     if not 1 / MAX_LENGTH_SCALE_RATIO < scale < MAX_LENGTH_SCALE_RATIO:
-        return [_scale_findings(place, study, scale)]
+        return [_length_scale_finding(place, study, scale)]
     off = np.abs(seen - scale * said)
     by_keypoints_m = MAX_KEYPOINT_ERROR_BODY_LENGTHS * robot.body_length_m
     bad = off > np.maximum(MAX_LENGTH_ERROR_SHARE * scale * said, by_keypoints_m)
@@ -128,7 +130,7 @@ def _length_findings(
     ]
 
 
-def _scale_findings(place: str, study: Study, scale: float) -> InputIssue:
+def _length_scale_finding(place: str, study: Study, scale: float) -> InputIssue:
     return InputIssue(
         str(study.root / "study.yaml"),
         place,
@@ -139,7 +141,7 @@ def _scale_findings(place: str, study: Study, scale: float) -> InputIssue:
     )
 
 
-def _part_order_findings(source: str, place: str, positions: Positions) -> list[InputIssue]:
+def _part_order_findings(source: str, place: str, positions: KeypointPositions) -> list[InputIssue]:
     xy, _ = trusted_points(positions)
     hinge, core, tail = xy[:, 1], xy[:, 2], xy[:, 3]
     along = np.sum((hinge - core) * (core - tail), axis=1)
@@ -255,8 +257,8 @@ def first_jump(time_s: Float, xy_m: Float, least_m: float) -> int | None:
     )
     for k in np.flatnonzero(large).tolist():
         before, after = (
-            xy_m[max(k - MEDIAN_HALF_WINDOW_FRAMES, 0)],
-            xy_m[min(k + 1 + MEDIAN_HALF_WINDOW_FRAMES, len(xy_m) - 1)],
+            xy_m[max(k - JUMP_PERSISTENCE_FRAMES, 0)],
+            xy_m[min(k + 1 + JUMP_PERSISTENCE_FRAMES, len(xy_m) - 1)],
         )
         if np.linalg.norm(after - before) > 0.6 * steps[k]:
             return k

@@ -15,16 +15,16 @@ from typing import Any
 
 import numpy as np
 
-from ..data import Float, Keypoints, Pose, Positions
-from ..data.majority import deviations_from_majority
+from ..data import Float, KeypointPositions, Keypoints, Pose
+from ..data.majority_deviation import deviations_from_majority
 from ..study import Robot, Study, Trial
-from .body import measured_rigid_lengths, trusted_points
-from .filled_frames import filled_gap_warnings, longest_filled_gap
+from .gap_filled_frames import filled_gap_warnings, longest_filled_gap
+from .rigid_lengths import measured_rigid_lengths, trusted_points
 
 MIN_HEAD_ANGLE_DEVIATION_DEG = 2.0
 """Head angles that deviate less from those of the other trials are a servo's accuracy: seven times
 its usual repeatability."""
-MIN_ANGLES_FOR_GAIN = 4
+MIN_ANGLES_FOR_SERVO_GAIN = 4
 """Different stated angles that show an error of the servo's gain beside one wrong angle."""
 MAX_KEYPOINT_ERROR_BODY_LENGTHS = 0.06
 """ASSUME largest error of a length that misplaced keypoints explain: 2 cm of the published robot.
@@ -46,7 +46,7 @@ LENGTH_ENDPOINTS_AND_KEYS = {
     ),
 }
 """Length -> the keypoints between which it is measured, and the keys that state it."""
-MIN_POSE_SHARE = 0.5
+MIN_FRAMES_WITH_POSE_SHARE = 0.5
 """Share of the frames of a trial with a pose, below which most of its track is interpolated: there
 is a warning."""
 STRAIGHT_TAIL_QUANTILE = 0.95
@@ -55,8 +55,8 @@ beating tail is straight twice a beat, where the distance is largest, and single
 """
 
 
-def status_of_body_measurements(
-    keypoints: Keypoints, positions: Positions, pose: Pose, robot: Robot, trial: Trial
+def body_measurements_as_json(
+    keypoints: Keypoints, positions: KeypointPositions, pose: Pose, robot: Robot, trial: Trial
 ) -> dict[str, Any]:
     """Head angle and lengths of a trial, as status/ID.json holds them, and hashes of its frames."""
     body = measured_rigid_lengths(*trusted_points(positions), robot, trial.head_length_m)
@@ -73,7 +73,7 @@ def status_of_body_measurements(
     }
 
 
-def _core_to_tail_tip_m(positions: Positions) -> float | None:
+def _core_to_tail_tip_m(positions: KeypointPositions) -> float | None:
     """Distance from core_center to tail_tip with a straight tail, where tail_base is not tracked,
     which would show the length of the core; else None.
     """
@@ -109,7 +109,7 @@ def comparison_warnings(study: Study, statuses: Mapping[str, Mapping[str, Any]])
 def _body_measurements(
     trials: Mapping[str, Trial], statuses: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, Mapping[str, Any]]:
-    """`status_of_body_measurements` of the trials that have a track."""
+    """`body_measurements_as_json` of the trials that have a track."""
     return {
         name: record
         for name, status in statuses.items()
@@ -161,7 +161,7 @@ def compare_head_angles(
               if (a := r.get("head_angle_deg")) is not None}  # fmt: skip
     off = {n: wrap_angle_deg(a - trials[n].head_angle_deg) for n, a in angles.items()}
     stated = np.array([trials[n].head_angle_deg for n in off])
-    residuals = _without_common_gain(np.array(list(off.values())), stated)
+    residuals = _without_servo_gain_error(np.array(list(off.values())), stated)
     odd = deviations_from_majority(residuals, np.zeros(len(off)), MIN_HEAD_ANGLE_DEVIATION_DEG)
     wrong = [name for name, by in off.items() if abs(by) > MIN_HEAD_ANGLE_DEVIATION_DEG]
     exchanged = {
@@ -175,11 +175,11 @@ def compare_head_angles(
     return HeadAngleComparison(angles, deviating, exchanged)
 
 
-def _without_common_gain(off_deg: Float, stated_deg: Float) -> Float:
+def _without_servo_gain_error(off_deg: Float, stated_deg: Float) -> Float:
     """Differences (n,) less their part in proportion to the stated angles, which is an error of the
     servo's gain that all trials share (slope of Theil and Sen).
     """
-    if len(np.unique(stated_deg)) < MIN_ANGLES_FOR_GAIN:
+    if len(np.unique(stated_deg)) < MIN_ANGLES_FOR_SERVO_GAIN:
         return off_deg
     one, two = (np.array(k) for k in zip(*combinations(range(len(off_deg)), 2), strict=True))
     apart = stated_deg[two] != stated_deg[one]
@@ -274,7 +274,7 @@ def _interpolated_track_warnings(seen: Mapping[str, Mapping[str, Any]]) -> Itera
     """A sentence for each trial whose track is interpolated in most frames."""
     for name, record in seen.items():
         share = record.get("pose_share")
-        if share is not None and share < MIN_POSE_SHARE:
+        if share is not None and share < MIN_FRAMES_WITH_POSE_SHARE:
             yield (
                 f"Trial {name}: {100 * share:.0f} % of the frames show a pose, the others are "
                 "interpolated. Leave the trial out, or choose a better part by start_s and end_s."

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..errors import input_error, unreadable_reason
 from ..files import read_text
-from .prefill import prefilled_trial_rows, trials_csv, usable_study_files
+from .prefill import prefilled_trial_rows, trials_csv_text, usable_study_files
 from .study_yaml_text import (
     FILE_LEFT_UNCHANGED_REMEDY,
     STUDY_YAML,
@@ -96,7 +96,7 @@ def trials_table(folder: Path, text: str | None) -> tuple[list[str], list[dict[s
     return header, rows
 
 
-def edited_texts(
+def texts_with_draft_applied(
     draft: Draft, folder: Path, texts: tuple[str | None, str | None]
 ) -> tuple[str, str]:
     """Texts of both files with what the draft says."""
@@ -105,7 +105,7 @@ def edited_texts(
     same = texts[1] is not None and [_nonempty_cells(r) for r in rows] == [
         _nonempty_cells(r) for r in draft.rows
     ]
-    trials = texts[1] if same else trials_csv(draft.rows, header)
+    trials = texts[1] if same else trials_csv_text(draft.rows, header)
     assert trials is not None
     return study, trials
 

@@ -12,7 +12,7 @@ from ..study import Study, StudySettings, missing_files
 from ..study.key_reference import setting_keys
 from ..study.study_yaml import read_study_settings
 from ..study.trials_csv import read_trials
-from .draft import STUDY_FILES, Draft, edited_texts, study_file_texts
+from .draft import STUDY_FILES, Draft, study_file_texts, texts_with_draft_applied
 from .input_check import file_findings, setup_findings
 
 STUDY_SECTIONS = {
@@ -45,7 +45,7 @@ def draft_findings(draft: Draft, folder: Path, *, files: bool = False) -> list[D
     return [_with_page_position(finding, draft, folder) for finding in findings]
 
 
-def draft_study(draft: Draft, folder: Path) -> Study:
+def study_from_draft(draft: Draft, folder: Path) -> Study:
     """The study that the draft describes. Raises: InputError with all that is wrong in it."""
     setup, study, findings = _validate_draft(draft, folder)
     if findings or setup is None:
@@ -59,7 +59,7 @@ def _validate_draft(
     """Setup, study and findings of the draft, by the readers that every command uses."""
     findings: list[InputIssue] = []
     with tempfile.TemporaryDirectory() as name:
-        texts = edited_texts(draft, folder, study_file_texts(folder))
+        texts = texts_with_draft_applied(draft, folder, study_file_texts(folder))
         for file, text in zip(STUDY_FILES, texts, strict=True):
             (Path(name) / file).write_text(text, encoding="utf-8")
         setup = read_study_settings(Path(name) / STUDY_FILES[0], findings)

@@ -16,10 +16,10 @@ from ..study.key_reference import setting_keys
 from .draft import (
     STUDY_FILES,
     Draft,
-    edited_texts,
     read_draft,
     revision_hash,
     study_file_texts,
+    texts_with_draft_applied,
     trials_table,
 )
 from .study_yaml_text import flattened_values, yaml_document
@@ -43,12 +43,12 @@ def save_draft(draft: Draft, folder: Path) -> tuple[Draft, list[str]]:
                           "It was moved or deleted; nothing was saved.")  # fmt: skip
     texts = study_file_texts(folder)
     _check_revision(draft, folder, texts)
-    if unknown := _unknown_names(draft, folder, texts):
+    if unknown := _unknown_key_and_column_findings(draft, folder, texts):
         raise InputError(unknown)
     changed = [
         (name, old, new)
         for name, old, new in zip(
-            STUDY_FILES, texts, edited_texts(draft, folder, texts), strict=True
+            STUDY_FILES, texts, texts_with_draft_applied(draft, folder, texts), strict=True
         )
         if old is None or old != new
     ]
@@ -76,7 +76,7 @@ def _check_revision(draft: Draft, folder: Path, texts: Sequence[str | None]) -> 
     )  # fmt: skip
 
 
-def _unknown_names(
+def _unknown_key_and_column_findings(
     draft: Draft, folder: Path, texts: tuple[str | None, str | None]
 ) -> list[InputIssue]:
     """A finding for each key and column of a draft that no study has, nor the files as they are."""
@@ -86,14 +86,14 @@ def _unknown_names(
     header = trials_table(folder, texts[1])[0]
     columns = dict.fromkeys(name for row in draft.rows for name in row)
     return [
-        *(_unknown_name(STUDY_FILES[0], "key", name, keys)
+        *(_unknown_name_finding(STUDY_FILES[0], "key", name, keys)
           for name in draft.values if name not in keys | present),
-        *(_unknown_name(STUDY_FILES[1], "column", name, Trial.model_fields)
+        *(_unknown_name_finding(STUDY_FILES[1], "column", name, Trial.model_fields)
           for name in columns if name not in {*Trial.model_fields, *header}),
     ]  # fmt: skip
 
 
-def _unknown_name(file: str, kind: str, name: str, known: Iterable[str]) -> InputIssue:
+def _unknown_name_finding(file: str, kind: str, name: str, known: Iterable[str]) -> InputIssue:
     remedy = f"{did_you_mean(name, known)} Nothing was saved."
     return InputIssue(file, name, f"an unknown {kind}", f"a known {kind}", remedy)
 

@@ -14,7 +14,7 @@ from ..data import Float
 from ..errors import input_error
 from ..files import to_json_types
 from ..study import Study
-from .preview import preview_trial, spread_frames
+from .preview import preview_frames, preview_trial
 
 JPEG_QUALITY = 90
 Luma = npt.NDArray[np.uint8]
@@ -25,11 +25,11 @@ def _cached_frames(
     paths: tuple[Path, ...], _stamps: tuple[int, ...], fps: float | None, first_s: float | None
 ) -> list[Any]:
     if first_s is None:
-        return spread_frames(paths, fps=fps)
-    return spread_frames(paths, fps=fps, part_s=(first_s, None), consecutive=True)
+        return preview_frames(paths, fps=fps)
+    return preview_frames(paths, fps=fps, part_s=(first_s, None), consecutive=True)
 
 
-def frame_at_share(
+def frame_at_recording_share(
     paths: tuple[Path, ...], share: float, fps: float | None = None, first_s: float | None = None
 ) -> tuple[float, Luma]:
     """Time [s] and brightness of one of `FRAMES` frames, the nearest to a share of them.
@@ -59,7 +59,7 @@ def preview_as_json(study: Study, trial_id: str) -> dict[str, Any]:
     return to_json_types({
         "trial_id": trial_id, "time_s": found.time_s, "names": found.names,
         "xy_px": points_as_json(found.xy_px), "likelihood": np.round(found.likelihood, 2),
-        "remarks": found.remarks, "found": found.found, "frames": len(found.time_s),
+        "remarks": found.remarks, "found": found.confident_frame_count, "frames": len(found.time_s),
         "size_px": found.size_px, "consecutive": found.consecutive,
     })  # fmt: skip
 

@@ -12,21 +12,21 @@ import numpy as np
 
 from ..camera import map_keypoints, pool_camera
 from ..camera.picture_bounds import check_within_picture
-from ..camera.turned_picture import turned_picture_record
+from ..camera.turned_picture import turned_picture_sums
 from ..data import MIN_POSE_FRAMES, Keypoints, is_confident
 from ..errors import InputError, InputIssue, input_error
 from ..files import to_json_types
 from ..footage import open_recording
-from ..keypoints import source_module
-from ..motor import flapping_from_log, flapping_record, trial_flapping
+from ..keypoints import keypoint_source_module
+from ..motor import flapping_as_json, flapping_from_log, trial_flapping
 from ..motor.motor_log import motor_log_coverage
-from ..motor.swimming_plausibility import tail_length_seen, trial_list_text
-from ..pose.body import RIGID_PARTS
+from ..motor.swimming_plausibility import median_tail_length_m, trial_list_text
 from ..pose.common_mistakes import merge_common_mistakes
-from ..pose.exchanged_frames import undo_head_tail_exchanges
 from ..pose.fit import usable_frames
+from ..pose.head_tail_swap import undo_head_tail_swaps
 from ..pose.plausibility import checked_rigid_pose
-from ..pose.trial_comparison import status_of_body_measurements
+from ..pose.rigid_lengths import RIGID_PARTS
+from ..pose.trial_comparison import body_measurements_as_json
 from ..study import Study, StudySettings, Trial
 from ..study.frame_count import check_frame_count
 from ..study.recording_pixels import setup_in_recording_pixels
@@ -40,7 +40,7 @@ contradict each other.
 def setup_findings(setup: StudySettings, folder: Path) -> tuple[list[InputIssue], tuple[str, ...]]:
     """What is wrong with detector and camera of a study.yaml, and remarks on the camera."""
     try:
-        source_module(setup.detection.source)
+        keypoint_source_module(setup.detection.source)
         return [], pool_camera(setup).remarks
     except InputError as found:
         return [_with_study_folder(folder, finding) for finding in found.findings], ()
@@ -133,24 +133,26 @@ def _check_keypoints(study: Study, trial: Trial) -> dict[str, Any]:
     cannot be those of the robot, or the log is of another time or contradicts flap_hz.
     """
     path = study.paths(trial)[0]
-    found = source_module("deeplabcut").read_keypoints_of_trial(path, trial, study.setup.bodyparts)
+    found = keypoint_source_module("deeplabcut").read_keypoints_of_trial(
+        path, trial, study.setup.bodyparts
+    )
     given = study.setup.camera
     check_within_picture(path, found, given.image_size_px if given else None)
     check_frame_count(study, trial, len(found.time_s), trial.fps or 30.0)
     _check_usable_frames(path, found)
     camera, depth = pool_camera(study.setup), study.setup.robot.keypoint_depth_m
-    positions, exchanged = undo_head_tail_exchanges(
+    positions, exchanged = undo_head_tail_swaps(
         map_keypoints(camera, found, depth), study.setup.robot, trial.head_length_m
     )
     pose = checked_rigid_pose(study, trial, positions)
     status = {
         "ok": True,
         "logged_share": _check_motor_log(study, trial, float(found.time_s[-1])),
-        "flapping": flapping_record(trial_flapping(study, trial, positions)),
-        "tail_m": tail_length_seen(positions),
-        "body": status_of_body_measurements(found, positions, pose, study.setup.robot, trial),
+        "flapping": flapping_as_json(trial_flapping(study, trial, positions)),
+        "tail_m": median_tail_length_m(positions),
+        "body": body_measurements_as_json(found, positions, pose, study.setup.robot, trial),
         "exchanged_frames": exchanged,
-        "turned_picture": turned_picture_record(camera, found, depth),
+        "turned_picture": turned_picture_sums(camera, found, depth),
     }
     return dict(to_json_types(status))
 
@@ -167,7 +169,7 @@ def _check_footage(study: Study, trial: Trial) -> tuple[dict[str, Any], tuple[st
     )
     setup_in_recording_pixels(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
     _check_start_in_picture(study, trial, film.size_px)
-    check_frame_count(study, trial, film.frames_in_part, film.fps or film.nominal_fps)
+    check_frame_count(study, trial, film.frame_count_in_part, film.fps or film.nominal_fps)
     end_s = film.duration_s if trial.end_s is None else min(trial.end_s, film.duration_s)
     logged = _check_motor_log(study, trial, end_s)
     return {"size_px": list(film.size_px), "logged_share": logged}, film.remarks

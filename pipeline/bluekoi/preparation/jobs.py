@@ -14,10 +14,10 @@ from typing import Any
 from ..errors import InputError
 
 MAX_LOG_LINES = 400
-INTERNAL_ERROR = "a defect of this program ended the work; the terminal has more"
+INTERNAL_ERROR_TEXT = "a defect of this program ended the work; the terminal has more"
 
 
-class Jobs:
+class BackgroundJobs:
     """Calls made one after the other in a process of their own, so that the page stays quick."""
 
     def __init__(self) -> None:
@@ -40,7 +40,11 @@ class Jobs:
         if job.cancelled():
             return {"state": "absent"}
         if (error := job.exception()) is not None:
-            text = str(error) if isinstance(error, InputError) else f"{INTERNAL_ERROR} ({error!r})"
+            text = (
+                str(error)
+                if isinstance(error, InputError)
+                else f"{INTERNAL_ERROR_TEXT} ({error!r})"
+            )
             if not isinstance(error, InputError):
                 self._pool = None
             return {"state": "failed", "error": text}
@@ -81,7 +85,9 @@ class AnalysisProcess:
             self.words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
             text=True, errors="replace", start_new_session=True,
         )  # fmt: skip
-        threading.Thread(target=self._read, args=(self._process,), daemon=True).start()
+        threading.Thread(
+            target=self._collect_output_lines, args=(self._process,), daemon=True
+        ).start()
 
     def stop(self) -> None:
         """Ask the run to end after the jobs at work; what is done is kept."""
@@ -102,7 +108,7 @@ class AnalysisProcess:
             "report": self.report.is_file(),
         }  # fmt: skip
 
-    def _read(self, process: subprocess.Popen[str]) -> None:
+    def _collect_output_lines(self, process: subprocess.Popen[str]) -> None:
         assert process.stdout is not None
         for line in process.stdout:
             self._lines.append(line.rstrip())

@@ -18,7 +18,7 @@ from ..study.key_reference import setting_keys
 
 MAX_HEADER_BYTES = 4096
 MAX_FILES = 100_000
-MIN_PICTURES = 50
+MIN_PICTURES_OF_RECORDING = 50
 """A folder with fewer pictures is one of calibration boards rather than a recording."""
 REQUIRED_COLUMNS = tuple(name for name, info in Trial.model_fields.items() if info.is_required())
 POWER_PATTERN = re.compile(r"(?i)(?:^|[_\-. ])(?:power|pwr|p)[_-]?(\d{1,3})(?=$|[_\-. %])")
@@ -28,12 +28,12 @@ ANGLE_PATTERN = re.compile(
     r"(?i)(?:^|[_\-. ])(?:head[_-]?angle|angle|phi|a)_?(m|minus|-|\+)?(\d{1,3}(?:\.\d+)?)"
     r"(?:deg)?(?=$|[_\-. ])"
 )
-MAX_VALUES_IN_FILE_NAMES = {"power_pct": 300.0, "head_angle_deg": 120.0}
+MAX_CONDITION_VALUES_IN_FILE_NAMES = {"power_pct": 300.0, "head_angle_deg": 120.0}
 """Largest values of trials.csv: a larger number in a name is something else, such as a date."""
-LOG_WORDS_PATTERN = re.compile(r"(?i)^(motor|log|angle|shaft|encoder)[_\-. ]|"
+MOTOR_LOG_NAME_PATTERN = re.compile(r"(?i)^(motor|log|angle|shaft|encoder)[_\-. ]|"
                        r"[_\-. ](motor|log|angle|shaft|encoder)s?$")  # fmt: skip
 """Words that the name of a motor log may have beside that of its recording."""
-OPTIONAL_KEYS = {"camera": ("matrix", "distortion"), "robot": ("keypoint_depth_m",)}
+KEYS_COMMENTED_OUT = {"camera": ("matrix", "distortion"), "robot": ("keypoint_depth_m",)}
 """Section -> keys that a new study.yaml shows as comments."""
 
 
@@ -41,7 +41,7 @@ OPTIONAL_KEYS = {"camera": ("matrix", "distortion"), "robot": ("keypoint_depth_m
 class StudyFiles:
     """Files of a folder that a study can be made of, as paths relative to it, in natural order.
 
-    pictures: folders with at least `MIN_PICTURES` pictures, with a slash at the end.
+    pictures: folders with at least `MIN_PICTURES_OF_RECORDING` pictures, with a slash at the end.
     """
 
     videos: tuple[str, ...]
@@ -72,9 +72,9 @@ def study_files(folder: Path) -> StudyFiles:
             suffix == ".csv" and _has_deeplabcut_header(path)
         ):
             points.append(name)
-        elif suffix == ".csv" and _first_cells(path)[:2] == ["time_s", "angle_deg"]:
+        elif suffix == ".csv" and _header_cells(path)[:2] == ["time_s", "angle_deg"]:
             logs.append(name)
-    films = [name for name, count in pictures.items() if count >= MIN_PICTURES]
+    films = [name for name, count in pictures.items() if count >= MIN_PICTURES_OF_RECORDING]
     found = (tuple(sorted(some, key=natural_sort_key)) for some in (videos, points, logs, films))
     return StudyFiles(*found)
 
@@ -144,11 +144,11 @@ def condition_from_file_name(stem: str) -> dict[str, str]:
     return {
         key: text
         for key, text in found.items()
-        if abs(float(text)) <= MAX_VALUES_IN_FILE_NAMES[key]
+        if abs(float(text)) <= MAX_CONDITION_VALUES_IN_FILE_NAMES[key]
     }
 
 
-def trials_csv(rows: Sequence[Mapping[str, str]], header: Sequence[str] = ()) -> str:
+def trials_csv_text(rows: Sequence[Mapping[str, str]], header: Sequence[str] = ()) -> str:
     """Text of trials.csv: the required columns, those of `header` and those that a row uses."""
     used = {name for row in rows for name, text in row.items() if text.strip()}
     known = [name for name in Trial.model_fields if name in used or name in REQUIRED_COLUMNS]
@@ -180,7 +180,7 @@ def blank_study_yaml() -> str:
         needed = key.default == "required" or section == "pool"
         value = "" if needed else key.default
         off = "" if needed or value else "# "
-        off = "# " if name in OPTIONAL_KEYS.get(section, ()) else off
+        off = "# " if name in KEYS_COMMENTED_OUT.get(section, ()) else off
         lines += [f"  # {key.meaning}{unit}", f"  {off}{name}: {value}".rstrip()]
     return "\n".join(lines) + "\n"
 
@@ -224,7 +224,7 @@ def _logs_by_name(logs: Sequence[str]) -> dict[str, str]:
     for name in logs:
         stem = Path(name).stem
         found.setdefault(stem.casefold(), name)
-        found.setdefault(LOG_WORDS_PATTERN.sub("", stem).casefold(), name)
+        found.setdefault(MOTOR_LOG_NAME_PATTERN.sub("", stem).casefold(), name)
     return found
 
 
@@ -245,7 +245,7 @@ def _as_valid_id(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_")[:90] or "trial"
 
 
-def _first_cells(path: Path) -> list[str]:
+def _header_cells(path: Path) -> list[str]:
     """Cells of the first line of a csv file; nothing where it cannot be read."""
     try:
         with path.open(encoding="utf-8-sig", errors="replace") as file:
@@ -256,4 +256,4 @@ def _first_cells(path: Path) -> list[str]:
 
 def _has_deeplabcut_header(path: Path) -> bool:
     """Whether a csv file has DeepLabCut's header."""
-    return _first_cells(path)[:1] == ["scorer"]
+    return _header_cells(path)[:1] == ["scorer"]

@@ -12,7 +12,7 @@ import numpy as np
 from ..data import MIN_KEYPOINT_LIKELIHOOD, Float, Frame, Keypoints
 from ..errors import input_error
 from ..footage import frames, open_recording
-from ..keypoints import source_module
+from ..keypoints import keypoint_source_module
 from ..study import Study, Trial
 from ..study.recording_pixels import setup_in_recording_pixels
 
@@ -40,12 +40,12 @@ class Preview:
     consecutive: bool = False
 
     @property
-    def found(self) -> int:
+    def confident_frame_count(self) -> int:
         """Frames in which every part is confident."""
         return int(np.sum(self.likelihood >= MIN_KEYPOINT_LIKELIHOOD))
 
 
-def spread_frames(
+def preview_frames(
     paths: Sequence[Path], *, fps: float | None = None, part_s: tuple[float | None, float | None] =
     (None, None), colour: bool = False, consecutive: bool = False, count: int = PREVIEWED_FRAMES,
 ) -> list[Frame]:  # fmt: skip
@@ -78,8 +78,8 @@ def preview_trial(study: Study, trial_id: str) -> Preview:
     Raises: InputError where the trial has no footage or it cannot be read.
     """
     trial = study.trial(trial_id)
-    detector = source_module(study.setup.detection.source)
-    some = spread_frames(
+    detector = keypoint_source_module(study.setup.detection.source)
+    some = preview_frames(
         study.paths(trial), fps=trial.fps, part_s=(trial.start_s, trial.end_s),
         colour=getattr(detector, "NEEDS_COLOUR", False), consecutive=trial.start_px is not None,
     )  # fmt: skip

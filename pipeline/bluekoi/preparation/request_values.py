@@ -28,7 +28,7 @@ def parse_request(body: bytes) -> dict[str, Any]:
 def draft_from_request(content: Mapping[str, Any]) -> Draft:
     """The draft that the page sent. Raises: InputError where values or rows are missing."""
     return Draft(
-        texts_by_name(content.get("values"), "values"), rows_from_request(content), (),
+        validated_text_mapping(content.get("values"), "values"), rows_from_request(content), (),
         str(content.get("revision") or ""),
     )  # fmt: skip
 
@@ -38,10 +38,10 @@ def rows_from_request(content: Mapping[str, Any]) -> list[dict[str, str]]:
     rows = content.get("rows")
     if not isinstance(rows, list):
         raise _request_error(rows, "rows", "a list of rows of trials.csv")
-    return [texts_by_name(row, f"rows[{n}]") for n, row in enumerate(rows)]
+    return [validated_text_mapping(row, f"rows[{n}]") for n, row in enumerate(rows)]
 
 
-def texts_by_name(value: Any, place: str) -> dict[str, str]:
+def validated_text_mapping(value: Any, place: str) -> dict[str, str]:
     """A mapping of names to texts. Raises: InputError where `value` is something else."""
     if not isinstance(value, dict):
         raise _request_error(value, place, "texts by name")

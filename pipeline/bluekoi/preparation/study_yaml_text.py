@@ -17,7 +17,7 @@ from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 from ..errors import input_error, unreadable_reason
 from ..study.key_reference import setting_keys
 from .commented_keys import with_commented_keys_in_place
-from .kept_lines import with_lines_kept
+from .format_preserving_edit import with_unedited_lines_restored
 from .prefill import blank_study_yaml
 
 STUDY_YAML = "study.yaml"
@@ -66,18 +66,18 @@ def edited_study_yaml(folder: Path, text: str | None, values: Mapping[str, str])
     missing = flattened_values(former).keys() - given.keys()
     if not missing and not _changed_values(former, given):
         return whole
-    emptied = (missing & REQUIRED_KEYS) | _reshaped_lists(former, given)
+    emptied = (missing & REQUIRED_KEYS) | _keys_with_changed_list_length(former, given)
     whole = with_commented_keys_in_place(whole, given)
-    whole = without_entries(whole, missing - REQUIRED_KEYS, emptied)
+    whole = without_yaml_entries(whole, missing - REQUIRED_KEYS, emptied)
     content = yaml_document(folder, whole)
-    plain = _dumped(content, whole)
+    plain = _document_as_text(content, whole)
     _update_document(content, given)
-    edited = _dumped(content, whole)
-    kept = with_lines_kept(whole, plain, edited)
+    edited = _document_as_text(content, whole)
+    kept = with_unedited_lines_restored(whole, plain, edited)
     return kept if _has_same_content(kept, edited) else edited
 
 
-def without_entries(text: str, names: Collection[str], emptied: Collection[str] = ()) -> str:
+def without_yaml_entries(text: str, names: Collection[str], emptied: Collection[str] = ()) -> str:
     """The text without the entries of `names` (`section.key`), and without the values of `emptied`.
 
     Comments above and below an entry stay, and that behind it; those inside it go. Entries in
@@ -99,7 +99,9 @@ def without_entries(text: str, names: Collection[str], emptied: Collection[str] 
 def _spans_to_cut(
     text: str, root: MappingNode, names: Collection[str], emptied: Collection[str]
 ) -> Iterator[tuple[int, int]]:
-    """Begin and end of what `without_entries` takes out; a section without entries goes too."""
+    """Begin and end of what `without_yaml_entries` takes out; a section without entries goes
+    too.
+    """
     for key, value in root.value:
         section = isinstance(value, MappingNode) and key.value != "bodyparts"
         entries = value.value if section else []
@@ -108,32 +110,32 @@ def _spans_to_cut(
         if key.value in names or (gone and value.flow_style):
             yield key.start_mark.index, _entry_end(text, key, value)
         elif not section and key.value in emptied:
-            yield _colon_end(text, key), _entry_end(text, key, value)
+            yield _index_after_colon(text, key), _entry_end(text, key, value)
         elif entries and not value.flow_style:
             for name, (inner, entry) in named.items():
                 end = _entry_end(text, inner, entry)
                 if name in names:
                     yield inner.start_mark.index, end
                 elif name in emptied:
-                    yield _colon_end(text, inner), end
+                    yield _index_after_colon(text, inner), end
             if gone:
-                yield key.start_mark.index, _colon_end(text, key)
+                yield key.start_mark.index, _index_after_colon(text, key)
 
 
-def _colon_end(text: str, key: Node) -> int:
+def _index_after_colon(text: str, key: Node) -> int:
     return text.index(":", key.end_mark.index) + 1
 
 
 def _entry_end(text: str, key: Node, value: Node) -> int:
     """Where an entry ends, without the comment behind it."""
-    return len(text[: max(_colon_end(text, key), _end_index(value))].rstrip())
+    return len(text[: max(_index_after_colon(text, key), _value_end_index(value))].rstrip())
 
 
-def _end_index(node: Node) -> int:
+def _value_end_index(node: Node) -> int:
     """Where a value ends; a list on several lines ends with its last item."""
     if isinstance(node, (MappingNode, SequenceNode)) and not node.flow_style:
         last = node.value[-1]
-        return _end_index(last[1] if isinstance(last, tuple) else last)
+        return _value_end_index(last[1] if isinstance(last, tuple) else last)
     return int(node.end_mark.index)
 
 
@@ -145,7 +147,7 @@ def _round_trip_yaml() -> YAML:
     return round_trip
 
 
-def _dumped(content: CommentedMap, like: str) -> str:
+def _document_as_text(content: CommentedMap, like: str) -> str:
     """Text of a document, its keys indented as those of another text."""
     out, writer = io.StringIO(), _round_trip_yaml()
     indent = re.search(r"^( +)\w+:", like, re.MULTILINE)
@@ -157,7 +159,7 @@ def _dumped(content: CommentedMap, like: str) -> str:
 def _has_same_content(text: str, other: str) -> bool:
     """Whether two texts of study.yaml have the same content."""
     try:
-        first, second = (_builtin_types(_round_trip_yaml().load(one)) for one in (text, other))
+        first, second = (_as_builtin_types(_round_trip_yaml().load(one)) for one in (text, other))
     except YAMLError:
         return False
     return bool(first == second)
@@ -170,16 +172,16 @@ def _value_as_text(value: Any) -> str:
     if isinstance(value, str):
         return str(value)
     text = yaml.safe_dump(
-        _builtin_types(value), default_flow_style=True, width=100_000, sort_keys=False
+        _as_builtin_types(value), default_flow_style=True, width=100_000, sort_keys=False
     )
     return text.removesuffix("\n").removesuffix("\n...").strip()
 
 
-def _builtin_types(value: Any) -> Any:
+def _as_builtin_types(value: Any) -> Any:
     if isinstance(value, Mapping):
-        return {str(key): _builtin_types(entry) for key, entry in value.items()}
+        return {str(key): _as_builtin_types(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_builtin_types(entry) for entry in value]
+        return [_as_builtin_types(entry) for entry in value]
     if isinstance(value, bool) or value is None:
         return value
     if isinstance(value, (int, float)):
@@ -193,7 +195,7 @@ def _changed_values(content: CommentedMap, given: Mapping[str, str]) -> dict[str
     return {name: text for name, text in given.items() if before.get(name) != text}
 
 
-def _reshaped_lists(content: CommentedMap, given: Mapping[str, str]) -> set[str]:
+def _keys_with_changed_list_length(content: CommentedMap, given: Mapping[str, str]) -> set[str]:
     """Keys with a list or mapping in whose place something else comes than a list as long."""
     found = set()
     for name, text in _changed_values(content, given).items():

@@ -27,7 +27,7 @@ from ..explain.text import (
 from ..figures.drawing.style import AFTER_COLOUR, BEFORE_COLOUR, MEASURED_COLOUR, RC_PARAMS
 from ..files import write_text
 from ..fitting import free_runs
-from .template import load_template, verdict_heading
+from .template import render_template, verdict_heading
 
 MAX_TRIALS_SHOWN, PNG_DPI = 4, 130
 
@@ -36,17 +36,17 @@ def write_explanation(
     found: CauseSearchResult, predicted: PredictedTrials | None, path: Path
 ) -> None:
     """Write the page, with all text escaped and the figure inside."""
-    write_text(path, explanation_page(found, predicted))
+    write_text(path, explanation_html(found, predicted))
 
 
-def explanation_page(found: CauseSearchResult, predicted: PredictedTrials | None = None) -> str:
+def explanation_html(found: CauseSearchResult, predicted: PredictedTrials | None = None) -> str:
     """Text of the page."""
     held, sentence = found.held_out, verdict_sentence(found)
     heading = verdict_heading(found.verdict, sentence)
     if found.named:
         heading += ": " + " and ".join(c.name.replace("_", " ") for c in found.named)
     samples = sum(len(s.times) for s in found.prepared.series)
-    return load_template(
+    return render_template(
         "explanation.html",
         name=found.model.name,
         summary=f"{len(found.prepared.series)} trials, {samples} samples in the fit.",
@@ -63,7 +63,7 @@ def explanation_page(found: CauseSearchResult, predicted: PredictedTrials | None
         noise_head=NOISE_TABLE_HEAD,
         noise=noise_rows(found),
         prediction=_prediction_tables(found, predicted),
-        picture=_figure_data_uri(trials_figure(found)),
+        picture=_figure_data_uri(measured_and_simulated_figure(found)),
     )
 
 
@@ -76,7 +76,7 @@ def _prediction_tables(
             "measures": table_of_measures(predicted)}  # fmt: skip
 
 
-def trials_figure(found: CauseSearchResult) -> Figure:
+def measured_and_simulated_figure(found: CauseSearchResult) -> Figure:
     """Observations over time of a few trials, measured and simulated by both models."""
     model, problem = found.model, found.prepared.problem
     every = problem.series
@@ -91,7 +91,7 @@ def trials_figure(found: CauseSearchResult) -> Figure:
                 parts = cut_trials_into_segments(problem, fitted, [one], found.held_out.stretch_s)
                 if not parts:
                     continue
-                runs = free_runs(problem.kernel, parts, fitted.values(problem, parts),
+                runs = free_runs(problem.kernel, parts, fitted.parameter_vectors(problem, parts),
                               open_states=len(model.states))  # fmt: skip
                 for part, run in zip(parts, runs, strict=True):
                     for row in range(len(model.observations)):

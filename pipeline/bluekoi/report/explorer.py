@@ -11,7 +11,7 @@ from ..campaign import Campaign
 from ..data import Float
 from .packing import gzip_base64_json, quantised_differences
 
-MAX_POINTS = 2000
+MAX_POINTS_PER_TRIAL = 2000
 """Longer trials are thinned to this many points."""
 COLUMN_RESOLUTION = {
     "time_s": 1e-4, "x_m": 1e-4, "y_m": 1e-4, "speed_m_s": 1e-4, "speed_m_s_std": 1e-5,
@@ -19,11 +19,11 @@ COLUMN_RESOLUTION = {
     "yaw_rate_rad_s_std": 1e-4,
 }  # fmt: skip
 """Columns shown, and the resolution to which they are stored (far below their uncertainty)."""
-SIMULATION_COLUMNS = {"before": "joint", "after": "extended"}
+SIMULATION_COLUMN_PREFIXES = {"before": "joint", "after": "extended"}
 """Model -> beginning of the names of its columns in the explorer's data."""
 
 
-def packed_series(campaign: Campaign, trial_id: str) -> str:
+def compressed_trial_time_series(campaign: Campaign, trial_id: str) -> str:
     """Packed columns of a trial: measured, and each model's path, heading and rates.
 
     Empty for a trial without a track.
@@ -32,21 +32,25 @@ def packed_series(campaign: Campaign, trial_id: str) -> str:
     if track is None:
         return ""
     count = len(track.time_s)
-    kept = np.unique(np.linspace(0, count - 1, min(count, MAX_POINTS)).round().astype(int))
+    kept = np.unique(
+        np.linspace(0, count - 1, min(count, MAX_POINTS_PER_TRIAL)).round().astype(int)
+    )
     columns = {name: np.asarray(getattr(track, name))[kept] for name in COLUMN_RESOLUTION}
     given = campaign.model_columns(trial_id)
     models = {
-        name: _model_columns(given, prefix, track.time_s[kept])
-        for name, prefix in SIMULATION_COLUMNS.items()
+        name: _simulated_path_at_times(given, prefix, track.time_s[kept])
+        for name, prefix in SIMULATION_COLUMN_PREFIXES.items()
         if f"{prefix}_x_m" in given
     }
     return gzip_base64_json({
-        "measured": _quantised(columns),
-        **{name: _quantised(found) for name, found in models.items()},
+        "measured": _quantised_columns(columns),
+        **{name: _quantised_columns(found) for name, found in models.items()},
     })  # fmt: skip
 
 
-def _model_columns(columns: Mapping[str, Float], prefix: str, at: Float) -> dict[str, Float]:
+def _simulated_path_at_times(
+    columns: Mapping[str, Float], prefix: str, at: Float
+) -> dict[str, Float]:
     """Path, heading and their rates of a simulated path at times `at`; NaN outside it."""
     times = columns["time_s"]
     names = [name for name in ("x_m", "y_m", "heading_rad") if f"{prefix}_{name}" in columns]
@@ -60,7 +64,7 @@ def _model_columns(columns: Mapping[str, Float], prefix: str, at: Float) -> dict
     return {name: np.interp(at, times, v, np.nan, np.nan) for name, v in path.items()}
 
 
-def _quantised(columns: Mapping[str, Float]) -> dict[str, Any]:
+def _quantised_columns(columns: Mapping[str, Float]) -> dict[str, Any]:
     limited = {name: np.where(np.abs(v) < 1e6, v, np.nan) for name, v in columns.items()}
     return {
         name: quantised_differences(values, COLUMN_RESOLUTION[name])

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..camera.plane_camera import NO_MATRIX_REMARK
+from ..camera.homography_camera import NO_MATRIX_REMARK
 from ..campaign import Campaign
 from ..figures.drawing.held_out import evaluated_on_fitted_trials
 from ..figures.drawing.missing_force import FORCE_NAMES, VARIABLE_LABELS
@@ -38,7 +38,7 @@ class CauseText:
 
 
 @dataclass(frozen=True)
-class Row:
+class TableRow:
     """One line of a table: a name and its cells."""
 
     name: str
@@ -58,7 +58,7 @@ def study_summary_sentence(campaign: Campaign) -> str:
     )
 
 
-def verdict(campaign: Campaign) -> dict[str, str]:
+def verdict_texts(campaign: Campaign) -> dict[str, str]:
     """Kind of verdict (sets the colour), heading and sentence."""
     found = campaign.mismatch
     if not found:
@@ -73,15 +73,15 @@ def verdict(campaign: Campaign) -> dict[str, str]:
               for c in found.get("causes") or []]  # fmt: skip
     listed = [c for c in causes if c[1] != "unexplained"]
     if kind in ("physics", "measurement") and causes:
-        heading = named_causes_section_title(kind, causes)
+        heading = verdict_heading_with_causes(kind, causes)
     elif kind == "unexplained" and listed:
-        heading = named_causes_section_title(listed[0][0], listed)
+        heading = verdict_heading_with_causes(listed[0][0], listed)
         heading += "; and a force that no known cause explains"
-    sentence = with_readable_names(str(found.get("sentence") or heading), _known_causes())
+    sentence = with_readable_names(str(found.get("sentence") or heading), _candidate_cause_names())
     return {"kind": kind, "heading": heading, "sentence": sentence}
 
 
-def named_causes_section_title(kind: str, causes: Sequence[tuple[str, str]]) -> str:
+def verdict_heading_with_causes(kind: str, causes: Sequence[tuple[str, str]]) -> str:
     """Heading with the causes, (kind, name) each, below the words for their kind; the verdict's
     kind stands first.
     """
@@ -99,8 +99,10 @@ def campaign_warnings(campaign: Campaign) -> list[str]:
     found = warnings_after_run(
         campaign.study, campaign.statuses, campaign.geometry, campaign.mismatch
     )
-    found += _uncalibrated_remark(campaign)
-    found += [_as_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]
+    found += _missing_camera_matrix_remark(campaign)
+    found += [
+        _with_readable_cause_names(text) for text in (campaign.mismatch or {}).get("warnings") or []
+    ]
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     if campaign.mismatch and cells and not any(c.get("determined", True) for c in cells.values()):
         found.append(
@@ -110,14 +112,14 @@ def campaign_warnings(campaign: Campaign) -> list[str]:
     return found
 
 
-def _uncalibrated_remark(campaign: Campaign) -> list[str]:
+def _missing_camera_matrix_remark(campaign: Campaign) -> list[str]:
     """The remark of the trials that were mapped without a camera matrix, once."""
     remarks = {text for one in campaign.statuses.values() for text in one.get("remarks") or []}
     found = sorted(text for text in remarks if text.startswith(NO_MATRIX_REMARK))
-    return [_as_sentence(text) for text in found[-1:]]
+    return [_with_readable_cause_names(text) for text in found[-1:]]
 
 
-def _known_causes() -> set[str]:
+def _candidate_cause_names() -> set[str]:
     return {name.split(".")[0] for name in parameter_units() if "." in name}
 
 
@@ -150,10 +152,10 @@ def cause_texts(campaign: Campaign) -> list[CauseText]:
     return [_cause_text(entry) for entry in (campaign.mismatch or {}).get("causes") or []]
 
 
-def dependence_rows(campaign: Campaign) -> list[Row]:
+def missing_force_dependence_rows(campaign: Campaign) -> list[TableRow]:
     """Variables that explain the missing force, with the explained share."""
     return [
-        Row(
+        TableRow(
             FORCE_NAMES.get(str(r["channel"]), str(r["channel"])),
             (
                 VARIABLE_LABELS.get(str(r["variable"]), readable_name(str(r["variable"]))),
@@ -165,24 +167,29 @@ def dependence_rows(campaign: Campaign) -> list[Row]:
     ]
 
 
-def probability_table_rows(campaign: Campaign) -> list[Row]:
+def probability_table_rows(campaign: Campaign) -> list[TableRow]:
     """Inclusion probability of every candidate, the largest first."""
     found = campaign.mismatch or {}
     selected = {str(cause["name"]) for cause in found.get("causes") or []}
     given = {str(k): float(v) for k, v in (found.get("probabilities") or {}).items()}
     return [
-        Row(readable_name(name), (f"{value:.3f}",), name in selected)
+        TableRow(readable_name(name), (f"{value:.3f}",), name in selected)
         for name, value in sorted(given.items(), key=lambda item: (-item[1], item[0]))
     ]
 
 
-def rival_cause_texts(campaign: Campaign) -> list[Row]:
+def rival_cause_texts(campaign: Campaign) -> list[TableRow]:
     """Causes that the data do not exclude, and how to distinguish them."""
     return [
-        Row(readable_name(str(r["name"])),
-            (format_probability(r.get("weight")), _as_sentence(r.get("how_to_tell_apart"))))
+        TableRow(
+            readable_name(str(r["name"])),
+            (
+                format_probability(r.get("weight")),
+                _with_readable_cause_names(r.get("how_to_tell_apart")),
+            ),
+        )
         for r in (campaign.mismatch or {}).get("rivals") or []
-    ]  # fmt: skip
+    ]
 
 
 def next_trial_sentence(campaign: Campaign) -> str:
@@ -191,14 +198,14 @@ def next_trial_sentence(campaign: Campaign) -> str:
     if not found:
         return ""
     if found.get("above_noise") is False:
-        why = _as_sentence(found.get("why"))
+        why = _with_readable_cause_names(found.get("why"))
         return why[:1].upper() + why[1:]
     parts = [f"{format_number(found['power_pct'])} % power"] if "power_pct" in found else []
     if "head_angle_deg" in found:
         parts.append(f"{float(found['head_angle_deg']):g} degrees head angle")
     if "head_length_m" in found:
         parts.append(f"{float(found['head_length_m']):g} m head")
-    return ", ".join(parts) + f": {_as_sentence(found.get('why'))}"
+    return ", ".join(parts) + f": {_with_readable_cause_names(found.get('why'))}"
 
 
 def _cause_text(entry: dict[str, Any]) -> CauseText:
@@ -224,8 +231,8 @@ def _cause_text(entry: dict[str, Any]) -> CauseText:
     )
 
 
-def _as_sentence(text: Any) -> str:
-    return with_readable_names(str(text or ""), _known_causes())
+def _with_readable_cause_names(text: Any) -> str:
+    return with_readable_names(str(text or ""), _candidate_cause_names())
 
 
 def _joined_list(values: list[float]) -> str:

@@ -8,9 +8,9 @@ from typing import Any
 
 from ..campaign import Campaign
 from ..figures.drawing.held_out import evaluated_on_fitted_trials, evaluated_trials, noise_floor_m
-from ..figures.drawing.style import BASELINE_NAME, EXTENDED_NAME
+from ..figures.drawing.style import BASELINE_MODEL_LABEL, EXTENDED_MODEL_LABEL
 from ..fitting.paths import PREDICTION_ERRORS, TRAJECTORIES
-from .findings import Row
+from .findings import TableRow
 from .numbers import format_number
 
 ERROR_ROW_DEFINITIONS = (
@@ -19,19 +19,19 @@ ERROR_ROW_DEFINITIONS = (
     ("steady speed (%)", "speed_error_pct", 1.0),
 )
 """Label of a row, key of mismatch.json, factor to the unit of the label."""
-CRITERION_NAMES = {
+FIT_CRITERION_NAMES = {
     PREDICTION_ERRORS: "one-step prediction errors",
     TRAJECTORIES: "whole trajectories",
 }
 
 
-def column_headings(campaign: Campaign) -> list[str]:
+def held_out_column_headings(campaign: Campaign) -> list[str]:
     """Column headings of the table `error_rows`."""
-    both = [BASELINE_NAME, EXTENDED_NAME]
+    both = [BASELINE_MODEL_LABEL, EXTENDED_MODEL_LABEL]
     return ["error", *(both if campaign.has_additions else ["model"]), "noise floor"]
 
 
-def error_rows(campaign: Campaign) -> list[Row]:
+def held_out_error_rows(campaign: Campaign) -> list[TableRow]:
     """Errors of each model on held-out trials, and the noise floor."""
     if not (campaign.mismatch or {}).get("held_out"):
         return []
@@ -39,7 +39,9 @@ def error_rows(campaign: Campaign) -> list[Row]:
     for label, key, factor in ERROR_ROW_DEFINITIONS:
         errors = [campaign.held_out_error(model, key) for model in campaign.held_out_models]
         floor = _noise_floor_text(campaign) if key == "path_rmse_m" else ""
-        rows.append(Row(label, (*(_scaled_text(error, factor) for error in errors), floor)))
+        rows.append(
+            TableRow(label, (*(_error_in_display_unit(error, factor) for error in errors), floor))
+        )
     return rows
 
 
@@ -55,7 +57,7 @@ def held_out_table_text(campaign: Campaign) -> dict[str, str]:
     stretch = found.get("stretch_s")
     common = {
         "stretch": f" over segments of {float(stretch):.1f} s" if stretch else "",
-        "criteria": _criteria_sentence(campaign, found),
+        "criteria": _fit_criteria_sentence(campaign, found),
     }
     if evaluated_on_fitted_trials(campaign):
         return common | {
@@ -66,13 +68,13 @@ def held_out_table_text(campaign: Campaign) -> dict[str, str]:
     return common | {"heading": "Errors on held-out trials", "sentence": f"Held out: {names}."}
 
 
-def _criteria_sentence(campaign: Campaign, held_out: Mapping[str, Any]) -> str:
+def _fit_criteria_sentence(campaign: Campaign, held_out: Mapping[str, Any]) -> str:
     """To what the compared models were fitted."""
     parts = []
     models = {"baseline": "baseline"}
     models |= {"extended": "model with causes"} if campaign.has_additions else {}
     for model, name in models.items():
-        if criterion := CRITERION_NAMES.get(str(held_out.get(f"{model}_fitted_to"))):
+        if criterion := FIT_CRITERION_NAMES.get(str(held_out.get(f"{model}_fitted_to"))):
             parts.append(f"the {name} to {criterion}")
     return (
         f"Fitted: {' and '.join(parts)}; of a model that was fitted to both, the fit with the "
@@ -82,5 +84,5 @@ def _criteria_sentence(campaign: Campaign, held_out: Mapping[str, Any]) -> str:
     )
 
 
-def _scaled_text(value: float, factor: float) -> str:
+def _error_in_display_unit(value: float, factor: float) -> str:
     return "diverges" if math.isinf(value) else format_number(factor * value)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..campaign import Campaign
 from ..data import Float
-from .findings import Row
+from .findings import TableRow
 from .numbers import format_number, format_unit
 
 LOG_LIK_DROP_95 = 1.92
@@ -34,15 +34,15 @@ class ProfileCurve:
     limit_y: float = CURVE_HEIGHT * (1.0 - LOG_LIK_DROP_95 / MAX_DROP_SHOWN)
 
 
-def fisher_spectrum(campaign: Campaign) -> list[Row]:
+def fisher_spectrum(campaign: Campaign) -> list[TableRow]:
     """Combinations of coefficients, the least determined first, with relative standard errors."""
     return [
-        Row(
+        TableRow(
             as_power_product(str(one.get("combination", ""))),
             (_percent_text(one.get("relative_std")), "yes" if one.get("determined") else "no"),
             not one.get("determined", True),
         )
-        for one in _identifiability(campaign).get("spectrum") or []
+        for one in _joint_fit_identifiability(campaign).get("spectrum") or []
     ]
 
 
@@ -63,7 +63,7 @@ def as_power_product(text: str) -> str:
 def likelihood_profile_curves(campaign: Campaign) -> list[ProfileCurve]:
     """The profile of each coefficient that has one."""
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
-    found = _identifiability(campaign).get("profiles") or {}
+    found = _joint_fit_identifiability(campaign).get("profiles") or {}
     drawn = [_profile_curve(name, one, cells.get(name) or {}) for name, one in found.items()]
     return [one for one in drawn if one is not None]
 
@@ -84,8 +84,9 @@ def _profile_curve(
         CURVE_WIDTH * (at - at[0]) / span,
         CURVE_HEIGHT * (1.0 - np.clip(lost, 0.0, MAX_DROP_SHOWN) / MAX_DROP_SHOWN),
     )
-    low, high = (_open_end_text(cell, side) for side in ("lower", "upper"))
-    words = f"{_end_text(one.get('lower'), low)} to {_end_text(one.get('upper'), high)}"
+    low, high = (_open_interval_end_text(cell, side) for side in ("lower", "upper"))
+    start, end = one.get("lower"), one.get("upper")
+    words = f"{_interval_end_text(start, low)} to {_interval_end_text(end, high)}"
     return ProfileCurve(
         name,
         " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True)),
@@ -102,16 +103,16 @@ def _interpolated_profile(at: Float, lost: Float, best: float) -> tuple[Float, F
     return every, np.interp(every, at, root) ** 2
 
 
-def _identifiability(campaign: Campaign) -> Mapping[str, Any]:
+def _joint_fit_identifiability(campaign: Campaign) -> Mapping[str, Any]:
     return (campaign.coefficients.get("joint") or {}).get("identifiability") or {}
 
 
-def _open_end_text(cell: Mapping[str, Any], side: str) -> str:
+def _open_interval_end_text(cell: Mapping[str, Any], side: str) -> str:
     """Text for an open side of the interval."""
     return "bound" if cell.get("at_bound") == side else f"no {side} end"
 
 
-def _end_text(value: Any, missing: str) -> str:
+def _interval_end_text(value: Any, missing: str) -> str:
     return missing if value is None or not np.isfinite(value) else format_number(value)
 
 

@@ -27,7 +27,7 @@ FIGURE_ORDER = ("fig3", "fig5", "fig6", "paths", "mismatch_laws", "mismatch_map"
 
 
 @dataclass(frozen=True)
-class FigureDataUri:
+class EmbeddedFigure:
     """A figure: data URI and size in px, or the reason for its absence.
 
     pdf: relative link to the vector version. data: packed csv.
@@ -53,17 +53,17 @@ class OverlayClip:
 
 
 @cache
-def plotting_library() -> str:
+def compressed_plotly_script() -> str:
     """Packed javascript of plotly, as installed."""
     return gzip_base64(get_plotlyjs())
 
 
-def pictures(
+def embedded_figures(
     texts: Mapping[str, tuple[str, str]], folder: Path, beside: Path
-) -> list[FigureDataUri]:
+) -> list[EmbeddedFigure]:
     """Figures with titles and captions, those of the paper first."""
     order = [*(n for n in FIGURE_ORDER if n in texts), *(n for n in texts if n not in FIGURE_ORDER)]
-    return [_picture(folder / f"{name}.png", texts[name], beside) for name in order]
+    return [_embedded_figure(folder / f"{name}.png", texts[name], beside) for name in order]
 
 
 def embedded_overlay_clips(
@@ -80,20 +80,22 @@ def embedded_overlay_clips(
         embed = size <= min(MAX_CLIP_BYTES, room)
         room -= size if embed else 0
         data = _base64(path) if embed else ""
-        out[trial.trial_id] = OverlayClip(data, _relative_link(path, beside), _start_s(path))
+        out[trial.trial_id] = OverlayClip(
+            data, _relative_link(path, beside), _overlay_first_frame_time_s(path)
+        )
     return out
 
 
-def _start_s(video: Path) -> float:
+def _overlay_first_frame_time_s(video: Path) -> float:
     """Time of the first frame, from the status of the overlay; 0 without one."""
     status = video.parents[1] / "status" / "overlays" / f"{video.stem}.json"
     return float((read_json_if_present(status) or {}).get("first_frame_s") or 0.0)
 
 
-def _picture(path: Path, text: tuple[str, str], beside: Path) -> FigureDataUri:
-    missing, size = _read_png(path)
+def _embedded_figure(path: Path, text: tuple[str, str], beside: Path) -> EmbeddedFigure:
+    missing, size = _png_comment_and_size(path)
     pdf, data = path.with_suffix(".pdf"), path.with_suffix(".csv")
-    return FigureDataUri(
+    return EmbeddedFigure(
         name=path.stem,
         title=text[0],
         caption=text[1],
@@ -105,7 +107,7 @@ def _picture(path: Path, text: tuple[str, str], beside: Path) -> FigureDataUri:
     )
 
 
-def _read_png(path: Path) -> tuple[str, tuple[int, int]]:
+def _png_comment_and_size(path: Path) -> tuple[str, tuple[int, int]]:
     """Comment of the png (the results missing to draw it) and its size."""
     if not path.is_file():
         return f"{path.name} does not exist", (0, 0)

@@ -49,7 +49,7 @@ def parameter_with_interval(name: str, cell: Mapping[str, Any], unit: str = "") 
     negative and is estimated as 0, the upper end of its interval, which begins at 0.
     """
     value, std = cell.get("value"), cell.get("std")
-    if value == 0.0 and std and name in _parameters_from_0():
+    if value == 0.0 and std and name in _nonnegative_parameters():
         return f"0, at most {format_number(2.0 * Z_95 * float(std), 2)}{f' {unit}' if unit else ''}"
     return value_with_interval(value, std, unit)
 
@@ -105,7 +105,7 @@ def parameter_units() -> dict[str, str]:
 
 
 @lru_cache(maxsize=1)
-def _parameters_from_0() -> frozenset[str]:
+def _nonnegative_parameters() -> frozenset[str]:
     """Parameters whose smallest value is 0."""
     return frozenset(p.name for p in two_plate_system().parameters if p.lower == 0.0)
 

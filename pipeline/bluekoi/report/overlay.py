@@ -17,15 +17,15 @@ from ..footage import encode_h264, frames, open_recording
 from ..keypoints.deeplabcut import read_detections
 from ..study import Study, Trial
 from .overlay_frame import (
-    AFTER_BGR,
     BEFORE_BGR,
+    AFTER_BGR,
+    LEGEND_STRIP_HEIGHT_PX,
     MEASURED_BGR,
-    STRIP_HEIGHT_PX,
     BgrImage,
     OverlayContent,
     OverlayPath,
     annotated_frame,
-    empty_pool,
+    empty_pool_image,
 )
 
 VIDEO_WIDTH_PX = 640
@@ -54,15 +54,15 @@ def write_trial_overlay(
     scene = OverlayContent(
         label=_trial_label(trial),
         size_px=camera.size_px,
-        lines=path_lines(camera, track, columns, study.setup.robot.keypoint_depth_m),
+        lines=projected_overlay_paths(camera, track, columns, study.setup.robot.keypoint_depth_m),
         keypoints=found,
-        background=empty_pool(camera, VIDEO_WIDTH_PX),
+        background=empty_pool_image(camera, VIDEO_WIDTH_PX),
     )
     times = found.time_s if found is not None else track.time_s
     source: Iterator[Frame | float] = footage if footage is not None else map(float, times)
     first = next(source, None)
     source = source if first is None else chain([first], source)
-    count = write_overlay(path, scene, source, fps=frame_rate(times))
+    count = write_overlay(path, scene, source, fps=overlay_frame_rate(times))
     return count, first.time_s if isinstance(first, Frame) else first or 0.0
 
 
@@ -81,7 +81,7 @@ def write_overlay(
     width, height = overlay_size(scene.size_px)
     pictures = _frames_at_steady_rate(scene, source, (width, height), fps)
     return encode_h264(
-        path, pictures, fps=fps, size=(width, height + STRIP_HEIGHT_PX), crf=VIDEO_CRF
+        path, pictures, fps=fps, size=(width, height + LEGEND_STRIP_HEIGHT_PX), crf=VIDEO_CRF
     )
 
 
@@ -112,12 +112,12 @@ def _frames_at_steady_rate(
         count += 1
 
 
-def frame_rate(time_s: Float) -> float:
+def overlay_frame_rate(time_s: Float) -> float:
     """Frame rate from frame times, 1/s, at most 30."""
     return float(min(MAX_FPS, 1 / np.median(np.diff(time_s)))) if len(time_s) > 1 else MAX_FPS
 
 
-def path_lines(
+def projected_overlay_paths(
     camera: PoolCamera, track: Track, columns: Mapping[str, Float], depth_m: float
 ) -> tuple[OverlayPath, ...]:
     """Measured path and model paths in pixels.

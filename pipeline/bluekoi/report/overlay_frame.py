@@ -13,19 +13,19 @@ from ..camera.pool_projection import PoolCamera, pool_to_pixels
 from ..data import Float, Keypoints, is_confident
 
 BgrImage = npt.NDArray[np.uint8]
-Colour = tuple[int, int, int]
+BgrColour = tuple[int, int, int]
 
-STRIP_HEIGHT_PX = 40
+LEGEND_STRIP_HEIGHT_PX = 40
 MAX_DETECTION_TO_FRAME_S = 1 / 60
 """Largest time between a detection and the frame it is drawn on."""
-FRACTIONAL_BITS = 4  # OpenCV draws at 1/16 px with this many fractional bits
+OPENCV_FRACTIONAL_BITS = 4  # OpenCV draws at 1/16 px with this many fractional bits
 
 # BGR; distinguishable with colour vision deficiencies, and by dashes and width
-STRIP_BGR: Colour = (46, 38, 32)
-MEASURED_BGR: Colour = (255, 255, 255)
-BEFORE_BGR: Colour = (0, 130, 255)
-AFTER_BGR: Colour = (255, 200, 60)
-KEYPOINT_BGR: Colour = (80, 240, 250)
+LEGEND_STRIP_BGR: BgrColour = (46, 38, 32)
+MEASURED_BGR: BgrColour = (255, 255, 255)
+BEFORE_BGR: BgrColour = (0, 130, 255)
+AFTER_BGR: BgrColour = (255, 200, 60)
+KEYPOINT_BGR: BgrColour = (80, 240, 250)
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class OverlayPath:
     name: str
     time_s: Float
     xy_px: Float
-    colour: Colour
+    colour: BgrColour
     dashed: bool = False
     width_px: int = 2
 
@@ -57,13 +57,13 @@ def annotated_frame(
     """The frame with paths up to `time_s`, the keypoints at that time, and a legend."""
     canvas = np.ascontiguousarray(picture)
     for line in scene.lines:
-        _draw_line(canvas, line, time_s, scale)
+        _draw_path_until(canvas, line, time_s, scale)
     if scene.keypoints is not None:
-        _draw_points(canvas, scene.keypoints, time_s, scale)
+        _draw_keypoints(canvas, scene.keypoints, time_s, scale)
     return np.vstack([_draw_legend_strip(scene, time_s, canvas.shape[1]), canvas])
 
 
-def empty_pool(camera: PoolCamera, width_px: int) -> BgrImage:
+def empty_pool_image(camera: PoolCamera, width_px: int) -> BgrImage:
     """The empty pool in the camera's view: walls, and a 0.5 m grid on the water surface."""
     scale = width_px / camera.size_px[0]
     height = 2 * round(scale * camera.size_px[1] / 2)
@@ -74,7 +74,7 @@ def empty_pool(camera: PoolCamera, width_px: int) -> BgrImage:
         canvas,
         [_to_fixed_point_pixels(scale * pool_to_pixels(camera, rim))],
         (190, 172, 140),
-        shift=FRACTIONAL_BITS,
+        shift=OPENCV_FRACTIONAL_BITS,
     )
     for line in _pool_grid(length, width):
         _polyline(canvas, scale * pool_to_pixels(camera, line), (205, 190, 165), 1)
@@ -82,22 +82,38 @@ def empty_pool(camera: PoolCamera, width_px: int) -> BgrImage:
     return canvas
 
 
-def _draw_line(canvas: BgrImage, line: OverlayPath, time_s: float, scale: float) -> None:
+def _draw_path_until(canvas: BgrImage, line: OverlayPath, time_s: float, scale: float) -> None:
     shown = (line.time_s <= time_s + 1e-6) & np.isfinite(line.xy_px).all(axis=1)
     path = scale * line.xy_px[shown]
     if len(path) == 0:
         return
-    pieces = _dashes(path) if line.dashed else [path]
+    pieces = _dash_segments(path) if line.dashed else [path]
     for piece in pieces if line.width_px > 2 else []:
-        _polyline(canvas, piece, STRIP_BGR, line.width_px + 2)
+        _polyline(canvas, piece, LEGEND_STRIP_BGR, line.width_px + 2)
     for piece in pieces:
         _polyline(canvas, piece, line.colour, line.width_px)
     end = _to_fixed_point_pixels(path[-1])
-    cv2.circle(canvas, end, 5 << FRACTIONAL_BITS, STRIP_BGR, -1, cv2.LINE_AA, FRACTIONAL_BITS)
-    cv2.circle(canvas, end, 3 << FRACTIONAL_BITS, line.colour, -1, cv2.LINE_AA, FRACTIONAL_BITS)
+    cv2.circle(
+        canvas,
+        end,
+        5 << OPENCV_FRACTIONAL_BITS,
+        LEGEND_STRIP_BGR,
+        -1,
+        cv2.LINE_AA,
+        OPENCV_FRACTIONAL_BITS,
+    )
+    cv2.circle(
+        canvas,
+        end,
+        3 << OPENCV_FRACTIONAL_BITS,
+        line.colour,
+        -1,
+        cv2.LINE_AA,
+        OPENCV_FRACTIONAL_BITS,
+    )
 
 
-def _draw_points(canvas: BgrImage, found: Keypoints, time_s: float, scale: float) -> None:
+def _draw_keypoints(canvas: BgrImage, found: Keypoints, time_s: float, scale: float) -> None:
     i = int(np.argmin(np.abs(found.time_s - time_s)))
     if abs(found.time_s[i] - time_s) > MAX_DETECTION_TO_FRAME_S:
         return
@@ -106,11 +122,11 @@ def _draw_points(canvas: BgrImage, found: Keypoints, time_s: float, scale: float
         cv2.circle(
             canvas,
             _to_fixed_point_pixels(point),
-            4 << FRACTIONAL_BITS,
-            STRIP_BGR,
+            4 << OPENCV_FRACTIONAL_BITS,
+            LEGEND_STRIP_BGR,
             -1,
             cv2.LINE_AA,
-            FRACTIONAL_BITS,
+            OPENCV_FRACTIONAL_BITS,
         )
         cv2.circle(
             canvas,
@@ -119,11 +135,11 @@ def _draw_points(canvas: BgrImage, found: Keypoints, time_s: float, scale: float
             KEYPOINT_BGR,
             -1,
             cv2.LINE_AA,
-            FRACTIONAL_BITS,
+            OPENCV_FRACTIONAL_BITS,
         )
 
 
-def _dashes(path: Float, length_px: float = 9.0) -> list[Float]:
+def _dash_segments(path: Float, length_px: float = 9.0) -> list[Float]:
     """Every other piece of a path cut into pieces of `length_px`."""
     length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
     if length[-1] <= length_px:
@@ -137,20 +153,26 @@ def _dashes(path: Float, length_px: float = 9.0) -> list[Float]:
     return out
 
 
-def _polyline(canvas: BgrImage, path: Float, colour: Colour, width: int) -> None:
+def _polyline(canvas: BgrImage, path: Float, colour: BgrColour, width: int) -> None:
     cv2.polylines(
-        canvas, [_to_fixed_point_pixels(path)], False, colour, width, cv2.LINE_AA, FRACTIONAL_BITS
+        canvas,
+        [_to_fixed_point_pixels(path)],
+        False,
+        colour,
+        width,
+        cv2.LINE_AA,
+        OPENCV_FRACTIONAL_BITS,
     )
 
 
 def _to_fixed_point_pixels(points: Float) -> npt.NDArray[np.int32]:
     """Pixels in OpenCV's fixed-point format, clipped to its integer range."""
-    return np.round(np.clip(points, -1e5, 1e5) * (1 << FRACTIONAL_BITS)).astype(np.int32)
+    return np.round(np.clip(points, -1e5, 1e5) * (1 << OPENCV_FRACTIONAL_BITS)).astype(np.int32)
 
 
 def _draw_legend_strip(scene: OverlayContent, time_s: float, width: int) -> BgrImage:
-    """Label, time and legend, (STRIP_HEIGHT_PX, width, 3)."""
-    strip = np.full((STRIP_HEIGHT_PX, width, 3), STRIP_BGR, np.uint8)
+    """Label, time and legend, (LEGEND_STRIP_HEIGHT_PX, width, 3)."""
+    strip = np.full((LEGEND_STRIP_HEIGHT_PX, width, 3), LEGEND_STRIP_BGR, np.uint8)
     _write_text(strip, f"{scene.label}   t = {time_s:.2f} s", (8, 15), MEASURED_BGR)
     entries = [(line.name, line.colour) for line in scene.lines]
     if scene.keypoints is not None:
@@ -164,7 +186,7 @@ def _draw_legend_strip(scene: OverlayContent, time_s: float, width: int) -> BgrI
     return strip
 
 
-def _write_text(strip: BgrImage, text: str, at: tuple[int, int], colour: Colour) -> None:
+def _write_text(strip: BgrImage, text: str, at: tuple[int, int], colour: BgrColour) -> None:
     cv2.putText(strip, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.42, colour, 1, cv2.LINE_AA)
 
 

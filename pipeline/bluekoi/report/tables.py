@@ -6,8 +6,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..campaign import Campaign
-from ..model import HYDRODYNAMIC_COEFFICIENTS, PUBLISHED_FLAP_HZ, TABLE_1, TABLE_2_ERRORS_PCT
-from .findings import Row
+from ..model import (
+    HYDRODYNAMIC_COEFFICIENTS,
+    PUBLISHED_FLAP_HZ,
+    TABLE_1,
+    TABLE_2_ERRORS_PCT,
+)
+from .findings import TableRow
 from .identifiability import as_power_product
 from .numbers import (
     Z_95,
@@ -26,11 +31,11 @@ COEFFICIENT_COLUMNS = tuple(
 """Name, unit and meaning of each coefficient."""
 
 
-def joint_fit_rows(campaign: Campaign) -> list[Row]:
+def joint_fit_rows(campaign: Campaign) -> list[TableRow]:
     """Joint fit: value with 95 % interval, unit, and whether the data determine it."""
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     return [
-        Row(
+        TableRow(
             name,
             (
                 coefficient_with_interval(cell),
@@ -64,15 +69,15 @@ def joint_fit_notes(campaign: Campaign) -> list[str]:
     return [*out, *notes]
 
 
-def table_1(campaign: Campaign) -> list[dict[str, Any]]:
+def coefficients_per_power_table(campaign: Campaign) -> list[dict[str, Any]]:
     """Table I: a row per power for this study, and the published row if there is one."""
     return [
-        _table_1_row(power, entry)
+        _coefficients_per_power_row(power, entry)
         for power, entry in (campaign.coefficients.get("paper_steps") or {}).items()
     ]
 
 
-def _table_1_row(power: str, entry: Mapping[str, Any]) -> dict[str, Any]:
+def _coefficients_per_power_row(power: str, entry: Mapping[str, Any]) -> dict[str, Any]:
     cells = entry.get("coefficients") or {}
     published = TABLE_1.get(round(float(power)), {})
     cells_here = [
@@ -94,21 +99,21 @@ def _table_1_row(power: str, entry: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def table_2(campaign: Campaign) -> list[Row]:
+def turn_radius_error_table(campaign: Campaign) -> list[TableRow]:
     """Table II: relative difference of model and measured turn radius, here and as published."""
     one_x = campaign.study.setup.robot.head_length_m
     return [
-        _table_2_rows(power, entry, one_x)
+        _turn_radius_error_row(power, entry, one_x)
         for power, steps in (campaign.coefficients.get("paper_steps") or {}).items()
         for entry in (steps.get("steps") or {}).values()
         if entry.get("step") != 1 and entry.get("radius_m") is not None
     ]
 
 
-def _table_2_rows(power: str, entry: Mapping[str, Any], one_x: float) -> Row:
+def _turn_radius_error_row(power: str, entry: Mapping[str, Any], one_x: float) -> TableRow:
     ratio = round(float(entry["head_length_m"]) / one_x, 1)
     key = (round(float(entry["head_angle_deg"])), ratio)
-    return Row(
+    return TableRow(
         f"{float(power):g} %, {float(entry['head_angle_deg']):g}°, {ratio:g}x head",
         (
             "tuned" if entry.get("step") == 2 else "predicted",
@@ -121,14 +126,14 @@ def _table_2_rows(power: str, entry: Mapping[str, Any], one_x: float) -> Row:
     )
 
 
-def coefficient_changes(campaign: Campaign) -> list[Row]:
+def coefficient_changes(campaign: Campaign) -> list[TableRow]:
     """Coefficients of the baseline and of the model with the identified causes."""
     fits = (campaign.mismatch_detail or {}).get("coefficients") or {}
     before, after = fits.get("before") or {}, fits.get("after") or {}
     if (campaign.mismatch or {}).get("verdict") == "none":
         return []
     return [
-        Row(
+        TableRow(
             _parameter_label(name),
             (
                 _cell_text(name, before.get(name)),

@@ -29,7 +29,7 @@ def verdict_heading(kind: str, sentence: str = "") -> str:
     return VERDICT_HEADINGS.get(kind, kind)
 
 
-def load_template(template: str, **values: Any) -> str:
+def render_template(template: str, **values: Any) -> str:
     """A template of this folder, with the page's style."""
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True

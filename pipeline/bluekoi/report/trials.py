@@ -12,12 +12,12 @@ from ..campaign import Campaign
 from ..data import Float
 from ..figures.drawing.held_out import evaluated_on_fitted_trials, evaluated_trials
 from ..study import Trial
-from .explorer import packed_series
+from .explorer import compressed_trial_time_series
 from .media import OverlayClip
 from .numbers import format_number, value_with_interval
 
 THUMBNAIL_POINTS = 60
-QUALITY_TEXTS = {
+STEADY_STATE_QUALITY_TEXTS = {
     "good": "good",
     "straight": "straight",
     "short_arc": "short arc",
@@ -79,7 +79,9 @@ def _trial_card(
     remarks = [str(remark) for remark in status.get("remarks") or []]
     if status.get("cut_short"):
         remarks.insert(0, str(status["cut_short"]))
-    quality = QUALITY_TEXTS.get(steady.quality, steady.quality) if steady else "excluded"
+    quality = (
+        STEADY_STATE_QUALITY_TEXTS.get(steady.quality, steady.quality) if steady else "excluded"
+    )
     return TrialCard(
         trial_id=trial.trial_id,
         condition=f"{trial.power_pct:g} % power, head {trial.head_angle_deg:g}°, "
@@ -92,7 +94,7 @@ def _trial_card(
         box=f"-0.38 -0.05 {size.length_m + 0.43:.3f} {size.width_m + 0.25:.3f}",
         pool=(size.length_m, size.width_m),
         clip=clip,
-        series=packed_series(campaign, trial.trial_id),
+        series=compressed_trial_time_series(campaign, trial.trial_id),
         power=f"{trial.power_pct:g}",
         held_out=held_out,
         analysed=done,

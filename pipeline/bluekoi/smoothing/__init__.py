@@ -10,7 +10,7 @@ import numpy as np
 from ..data import MIN_POSE_FRAMES, BoolNDArray, Float, Pose, Track
 from ..errors import input_error
 from .gaps import with_calibrated_gap_covariance
-from .grid import FilterTimeGrid, filter_grid
+from .grid import FilterTimeGrid, filter_time_grid
 from .kalman_filterpy import filter_and_smooth
 from .kalman_numba import compiled_filter_and_smooth
 from .linear_gaussian import SmoothedStates
@@ -45,17 +45,17 @@ def smooth_pose(pose: Pose, flap_hz: float) -> Track:
     whole recording is no recoil.
     Raises: InputError where fewer than 8 frames show the robot.
     """
-    return smooth_with_noise_ratio(pose, flap_hz)[0]
+    return smoothed_track_and_noise_ratio(pose, flap_hz)[0]
 
 
-def smooth_with_noise_ratio(pose: Pose, flap_hz: float) -> tuple[Track, tuple[float, float]]:
+def smoothed_track_and_noise_ratio(pose: Pose, flap_hz: float) -> tuple[Track, tuple[float, float]]:
     """As `smooth_pose`, and the variance of the measurement noise found over that stated, of
     positions and heading.
     """
     _check_enough_frames(pose)
     beats = float(flap_hz) * float(np.ptp(pose.time_s))
     hz = float(flap_hz) if np.isfinite(beats) and beats > 1 else 0.0
-    grid = filter_grid(pose.time_s, hz)
+    grid = filter_time_grid(pose.time_s, hz)
     values, cov = grid.frame_values_on_nodes(pose.values), grid.frame_values_on_nodes(pose.cov)
     heading, plane = _fitted_models(values, cov, grid, hz)
     turn, move = _smooth_with_calibrated_gaps(heading, 1), _smooth_with_calibrated_gaps(plane, 2)

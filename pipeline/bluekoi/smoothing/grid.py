@@ -32,7 +32,7 @@ class FilterTimeGrid:
         return out
 
 
-def filter_grid(time_s: Float, flap_hz: float) -> FilterTimeGrid:
+def filter_time_grid(time_s: Float, flap_hz: float) -> FilterTimeGrid:
     """Nodes for frames at time_s (frames,), s; dropped frames leave room for nodes of their own."""
     usual = float(np.median(np.diff(time_s)))
     pieces, marks = [time_s[:1]], [np.array([True])]

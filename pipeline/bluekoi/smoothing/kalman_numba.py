@@ -144,7 +144,7 @@ def _inverse_and_determinant(S):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def fill_observed_covariance(H, P, HP):  # type: ignore[no-untyped-def]
+def fill_measurement_cross_covariance(H, P, HP):  # type: ignore[no-untyped-def]
     """Fill HP = H P; most of H is zero."""
     p, d = H.shape
     for q in range(p):
@@ -161,7 +161,7 @@ def fill_observed_covariance(H, P, HP):  # type: ignore[no-untyped-def]
 def _innovation(H, x, P, z, S, y, HP):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Fill HP = H P, S = H P H' + R (R is in S already) and y = z - H x."""
     p, d = H.shape
-    fill_observed_covariance(H, P, HP)
+    fill_measurement_cross_covariance(H, P, HP)
     for q in range(p):
         y[q] = z[q]
         for i in range(d):
@@ -187,17 +187,17 @@ def correct_in_place(x, P, HP, Si, y):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def copy(values, out):  # type: ignore[no-untyped-def]
+def copy_vector(values, out):  # type: ignore[no-untyped-def]
     """Fill a vector with another."""
     for i in range(len(values)):
         out[i] = values[i]
 
 
 @njit(cache=True, error_model="numpy")
-def copy_rows(values, out):  # type: ignore[no-untyped-def]
+def copy_matrix(values, out):  # type: ignore[no-untyped-def]
     """Fill a matrix with another."""
     for i in range(len(values)):
-        copy(values[i], out[i])
+        copy_vector(values[i], out[i])
 
 
 @njit(cache=True, error_model="numpy")
@@ -215,12 +215,12 @@ def _filter_forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no
         if k:
             _predict_in_place(F[k], Q[k], x, P, work)
         if keep:
-            copy(x, xp[k])
-            copy_rows(P, Pp[k])
+            copy_vector(x, xp[k])
+            copy_matrix(P, Pp[k])
         squares[k] = np.nan
         if not used[k]:
             continue
-        copy_rows(R[k], S)
+        copy_matrix(R[k], S)
         _innovation(H[k], x, P, z[k], S, y, HP)
         Si, det = _inverse_and_determinant(S)
         square = 0.0
@@ -230,8 +230,8 @@ def _filter_forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no
         squares[k] = square
         total += min(square, gate) + np.log(det) + p * LOG_2_PI
         if keep:
-            copy(y, ys[k])
-            copy_rows(Si, Sis[k])
+            copy_vector(y, ys[k])
+            copy_matrix(Si, Sis[k])
         if square <= gate:
             correct_in_place(x, P, HP, Si, y)
     return total, squares, xp, Pp, Sis, ys

@@ -24,10 +24,10 @@ from ..data import BoolNDArray, Float
 from ..numba_settings import njit
 from .kalman_numba import (
     FilterPass,
-    copy,
-    copy_rows,
+    copy_matrix,
+    copy_vector,
     correct_in_place,
-    fill_observed_covariance,
+    fill_measurement_cross_covariance,
     nonzero_pattern,
 )
 from .linear_gaussian import LinearGaussianModel
@@ -73,9 +73,9 @@ def _derivatives_backward(F, H, xp, Pp, Sis, ys, squares, used, gate):  # type: 
             _rejected_measurement_backward(H[k], Sis[k], A, gR[k], work[3])
         if k == 0:
             break
-        copy_rows(A, gQ[k])
-        copy(xp[k - 1], x)
-        copy_rows(Pp[k - 1], P)
+        copy_matrix(A, gQ[k])
+        copy_vector(xp[k - 1], x)
+        copy_matrix(Pp[k - 1], P)
         if used[k - 1] and squares[k - 1] <= gate:
             _gain_and_weighted_innovation(H[k - 1], P, Sis[k - 1], ys[k - 1], work)
             correct_in_place(x, P, work[0], Sis[k - 1], ys[k - 1])
@@ -89,7 +89,7 @@ def _gain_and_weighted_innovation(H, P, Si, y, work):  # type: ignore[no-untyped
     """Fill the first three arrays of work: H P, K = P H' S^-1 and v = S^-1 y."""
     p, d = H.shape
     HP, K, v = work[0], work[1], work[2]
-    fill_observed_covariance(H, P, HP)
+    fill_measurement_cross_covariance(H, P, HP)
     for q in range(p):
         v[q] = 0.0
         for r in range(p):
@@ -113,13 +113,13 @@ def _correction_backward(H, P, Si, y, a, A, gR, work):  # type: ignore[no-untype
             for m in range(d):
                 D += K[m, q] * B[m, r]
             gR[q, r] = D
-    _subtract_observed(H, Ka, a)
+    _subtract_transposed_observation(H, Ka, a)
     for q in range(p):
         for i in range(d):
             B[i, q] -= 0.5 * a[i] * v[q]
     _subtract_half_transposed_product(H, gR, B)
     _subtract_product_and_transpose(B, H, A)
-    _subtract_observed(H, 2.0 * v, a)
+    _subtract_transposed_observation(H, 2.0 * v, a)
     for q in range(p):
         for r in range(p):
             gR[q, r] -= 0.5 * (Ka[q] * v[r] + v[q] * Ka[r])
@@ -142,14 +142,14 @@ def _multiply_by_gain(a, A, K, Ka, AK):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def _rejected_measurement_backward(H, Si, A, gR, B):  # type: ignore[no-untyped-def]
     """Of a measurement beyond the gate, log det S counts alone."""
-    copy_rows(Si, gR)
+    copy_matrix(Si, gR)
     B[:, :] = 0.0
     _subtract_half_transposed_product(H, gR, B)
     _subtract_product_and_transpose(B, H, A)
 
 
 @njit(cache=True, error_model="numpy")
-def _subtract_observed(H, y, a):  # type: ignore[no-untyped-def]
+def _subtract_transposed_observation(H, y, a):  # type: ignore[no-untyped-def]
     """Vector a <- a - H' y."""
     p, d = H.shape
     for q in range(p):
@@ -190,7 +190,7 @@ def _mean_backward(F, pattern, x, a, gF, new):  # type: ignore[no-untyped-def]  
         i, j = rows[e], columns[e]
         gF[i, j] = a[i] * x[j]
         new[j] += F[i, j] * a[i]
-    copy(new, a)
+    copy_vector(new, a)
 
 
 @njit(cache=True, error_model="numpy")

@@ -24,7 +24,7 @@ def heading_noise_gradient(noise, dt, hz, nominal, by_F, by_Q):  # type: ignore[
         for i in range(3):
             for j in range(3):
                 gF[i, j], gQ[i, j] = by_F[k, i, j], by_Q[k, i, j]
-        _add_mean_motion(gF, gQ, dt[k], noise, nominal[k], 0, out)
+        _add_mean_motion_gradient(gF, gQ, dt[k], noise, nominal[k], 0, out)
         if hz > 0:
             slopes = _recoil_gradient(by_F[k], by_Q[k], dt[k] * hz, noise[4:], nominal[k, 0], 3)
             for j in range(3):
@@ -40,8 +40,8 @@ def planar_noise_gradient(noise, dt, hz, nominal, theta, by_F, by_Q):  # type: i
     for k in range(1, len(dt)):
         c, s, chord = mean_direction(theta[k - 1], theta[k])
         for i in range(2):  # surge, sway
-            _in_body_frame(by_F[k], by_Q[k], c, s, chord, i, gF, gQ)
-            _add_mean_motion(gF, gQ, dt[k], noise, nominal[k], i, out)
+            _derivatives_in_body_frame(by_F[k], by_Q[k], c, s, chord, i, gF, gQ)
+            _add_mean_motion_gradient(gF, gQ, dt[k], noise, nominal[k], i, out)
         if hz > 0:
             for i in range(2):
                 recoil = np.array([noise[5 + i], noise[7], noise[8]])
@@ -55,7 +55,7 @@ def planar_noise_gradient(noise, dt, hz, nominal, theta, by_F, by_Q):  # type: i
 
 
 @njit(cache=True)
-def _in_body_frame(by_F, by_Q, c, s, chord, i, gF, gQ):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def _derivatives_in_body_frame(by_F, by_Q, c, s, chord, i, gF, gQ):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Fill the derivatives (3, 3) for position, rate and acceleration along axis i of the body:
     transposed rotation of `motion._rotate_to_pool_frame`.
     """
@@ -72,7 +72,7 @@ def _in_body_frame(by_F, by_Q, c, s, chord, i, gF, gQ):  # type: ignore[no-untyp
 
 
 @njit(cache=True)
-def _add_mean_motion(gF, gQ, dt, noise, nominal, i, out):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def _add_mean_motion_gradient(gF, gQ, dt, noise, nominal, i, out):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Add derivatives with respect to tau, densities, start-up factor, share of sway (i = 1)."""
     tau = noise[0] / nominal[1]
     decay = np.exp(-dt / tau)

@@ -18,10 +18,10 @@ MIN_LOG_NOISE_RATIO = float(np.log(1e-4))
 """Log of the least variance of white noise over that stated; below, rounding errors matter."""
 
 
-class ModelOfNoise(Protocol):
+class NoiseParametrisedModel(Protocol):
     """A linear Gaussian model for each vector of the logarithms of its noise."""
 
-    def at(self, logs: Float) -> LinearGaussianModel:
+    def model_at_log_noise(self, logs: Float) -> LinearGaussianModel:
         """The model with this noise."""
 
     def gradient(self, logs: Float, by_matrices: LikelihoodGradient) -> Float:
@@ -56,9 +56,9 @@ class MotionModel:
     moving: bool
     recoil_share: float
 
-    def at(self, logs: Float) -> LinearGaussianModel:
+    def model_at_log_noise(self, logs: Float) -> LinearGaussianModel:
         """The model with this noise."""
-        noise = self._noise(logs)
+        noise = self._noise_from_logs(logs)
         F, Q = self.matrices.of_noise(noise)
         m = self.data.z.shape[1]
         first = self.start_variances.copy()
@@ -70,7 +70,7 @@ class MotionModel:
 
     def gradient(self, logs: Float, by_matrices: LikelihoodGradient) -> Float:
         """Derivatives (logs,) of a cost with respect to the logs, from those of the matrices."""
-        noise, m = self._noise(logs), self.data.z.shape[1]
+        noise, m = self._noise_from_logs(logs), self.data.z.shape[1]
         out = np.zeros(len(logs))
         out[:-1] = self.matrices.noise_gradient(noise, by_matrices.F, by_matrices.Q)
         by_first = np.diag(by_matrices.P0)
@@ -83,7 +83,7 @@ class MotionModel:
             out[-1] = np.sum(by_matrices.R * self.data.R) * np.exp(logs[-1])
         return out
 
-    def _noise(self, logs: Float) -> Float:
+    def _noise_from_logs(self, logs: Float) -> Float:
         return np.asarray(self.units * np.exp(logs[:-1]))
 
     def _process_acceleration_variance(self, noise: Float) -> float:
@@ -105,15 +105,15 @@ class ColouredNoiseModel:
     coloured noise over their units. dt_s: (n,) steps.
     """
 
-    white: ModelOfNoise
+    white: NoiseParametrisedModel
     dt_s: Float
     variance: float
     correlation_time_s: float
 
-    def at(self, logs: Float) -> LinearGaussianModel:
+    def model_at_log_noise(self, logs: Float) -> LinearGaussianModel:
         """The model with this noise."""
-        variance, time_s = self._coloured(logs)
-        white = self.white.at(np.delete(logs, (-3, -2)))
+        variance, time_s = self._variance_and_time(logs)
+        white = self.white.model_at_log_noise(np.delete(logs, (-3, -2)))
         return with_coloured_noise(white, self.dt_s, variance, time_s)
 
     def gradient(self, logs: Float, by_matrices: LikelihoodGradient) -> Float:
@@ -122,9 +122,9 @@ class ColouredNoiseModel:
         F, Q = by_matrices.F[:, :d, :d], by_matrices.Q[:, :d, :d]
         inner = LikelihoodGradient(F, Q, by_matrices.R, by_matrices.P0[:d, :d])
         white = self.white.gradient(np.delete(logs, (-3, -2)), inner)
-        own = coloured_noise_gradient(by_matrices, self.dt_s, *self._coloured(logs))
+        own = coloured_noise_gradient(by_matrices, self.dt_s, *self._variance_and_time(logs))
         return np.concatenate([white[:-1], own, white[-1:]])
 
-    def _coloured(self, logs: Float) -> tuple[float, float]:
+    def _variance_and_time(self, logs: Float) -> tuple[float, float]:
         size, time = np.exp(logs[-3:-1])
         return self.variance * float(size), self.correlation_time_s * float(time)

@@ -12,7 +12,7 @@ from ..data import BoolNDArray, Float
 from . import kalman_numba
 from .likelihood_gradient import likelihood_gradient
 from .linear_gaussian import LinearGaussianModel
-from .motion_model import ModelOfNoise
+from .motion_model import NoiseParametrisedModel
 from .quasi_newton import minimise
 
 GATE_TAIL_PROBABILITY = 1e-5
@@ -43,7 +43,7 @@ class FittedMotionModel:
 
 
 def fit_process_noise(
-    model_of_noise: ModelOfNoise,
+    model_of_noise: NoiseParametrisedModel,
     seen: BoolNDArray,
     *,
     first: BoolNDArray,
@@ -64,7 +64,7 @@ def fit_process_noise(
     disturbed in their rate and in their acceleration are separate minima.
     """
     used, places = first, starts
-    gate = outlier_gate(model_of_noise.at(starts[0]).z.shape[1])
+    gate = outlier_gate(model_of_noise.model_at_log_noise(starts[0]).z.shape[1])
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
         ends = [
@@ -72,7 +72,7 @@ def fit_process_noise(
         ]
         logs = min(ends, key=lambda end: end[1])[0]
         places = [logs]
-        model = model_of_noise.at(logs)
+        model = model_of_noise.model_at_log_noise(logs)
         kept = seen & (
             _squared_deletion_residuals(model, _measurements_within_gate(model, used, limit))
             <= gate
@@ -80,7 +80,7 @@ def fit_process_noise(
         if np.array_equal(kept, used):
             break
         used = kept if kept.sum() > 0.5 * seen.sum() else used
-    model = model_of_noise.at(logs)
+    model = model_of_noise.model_at_log_noise(logs)
     cost = _neg_two_log_posterior(model, seen, used, gate) + _neg_log_noise_prior(logs, spread)
     return FittedMotionModel(model, first, used, logs, cost, float(np.exp(logs[-1])))
 
@@ -114,12 +114,16 @@ def _measurements_within_gate(
 
 
 def _minimise_noise_cost(
-    model_of_noise: ModelOfNoise, used: BoolNDArray, gate: float, start: Float, spread: Float
+    model_of_noise: NoiseParametrisedModel,
+    used: BoolNDArray,
+    gate: float,
+    start: Float,
+    spread: Float,
 ) -> tuple[Float, float]:
     """Logarithms of least cost, and the cost, outliers counted as lying on the gate."""
 
     def cost(at: Float) -> tuple[float, Callable[[], Float]]:
-        model = model_of_noise.at(at)
+        model = model_of_noise.model_at_log_noise(at)
         forward = kalman_numba.filter_pass(model, used, gate)
 
         def gradient() -> Float:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..data import Float
 
-Cost = Callable[[Float], tuple[float, Callable[[], Float]]]
+CostWithGradientFunction = Callable[[Float], tuple[float, Callable[[], Float]]]
 """Value at a point, and a function that computes the gradient there, which a line search needs only
 at the point that it accepts."""
 MAX_STEP = 2.0
@@ -22,7 +22,7 @@ lowers the cost (twice a log likelihood) by less: a poor estimate of the curvatu
 
 
 def minimise(
-    cost: Cost, start: Float, *, enough: float = 0.2, steps: int = 16
+    cost: CostWithGradientFunction, start: Float, *, enough: float = 0.2, steps: int = 16
 ) -> tuple[Float, float]:
     """Point and value of a minimum of `cost` by BFGS.
 
@@ -35,7 +35,9 @@ def minimise(
     return min(found, again, key=lambda end: end[1])
 
 
-def _minimise_once(cost: Cost, start: Float, enough: float, steps: int) -> tuple[Float, float]:
+def _minimise_once(
+    cost: CostWithGradientFunction, start: Float, enough: float, steps: int
+) -> tuple[Float, float]:
     """Point and value where BFGS ends. Source: Nocedal, Wright, Numerical Optimization, 2006,
     algorithm 6.1, backtracking line search 3.1.
     """
@@ -60,7 +62,7 @@ def _minimise_once(cost: Cost, start: Float, enough: float, steps: int) -> tuple
 
 
 def _backtracking_line_search(
-    cost: Cost, at: Float, direction: Float, known: tuple[float, float]
+    cost: CostWithGradientFunction, at: Float, direction: Float, known: tuple[float, float]
 ) -> tuple[Float, float, Callable[[], Float]] | None:
     """Point, cost and gradient of the first step that lowers the cost by enough; otherwise None."""
     value, predicted_decrease = known

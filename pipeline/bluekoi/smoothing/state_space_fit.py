@@ -25,11 +25,11 @@ RECOIL_COHERENCE_UNIT_BEATS, RECOIL_ONSET_DECAY_UNIT_PER_BEAT = 300.0, 0.15
 starts. Estimates in five simulated studies have medians of 23 to 33,000 and 0.02 to 0.15."""
 PRIOR_STDS_OF_LOG_RECOIL_COHERENCE = (3.0, 3.0)
 """Prior deviations of the logs of both."""
-UNIT_NOISE_SIGMAS = 2.0
+NOISE_UNIT_STANDARD_ERRORS = 2.0
 """Unit of process noise: the density that moves a rate by so many standard errors over a trial. A
 larger unit overstates the deviations of a steady motion, a smaller one understates those of a
 hardly disturbed one."""
-MAX_RELATIVE_DENSITIES = 0.3, 7.0
+MAX_RELATIVE_NOISE_DENSITIES = 0.3, 7.0
 """Largest density of the rate, in speed^2 / T, and of the acceleration, in (speed / T)^2 / T. The
 search starts there: no motion looks like an outlier. From below, it may end at a measurement noise
 that explains everything, or a quick start."""
@@ -72,7 +72,7 @@ class KnownMotion:
     speed: Float
 
     @property
-    def heading_noise(self) -> Float:
+    def apparent_sway_noise_density(self) -> Float:
         """Density (nodes,), m^2/s^3, of the apparent sway that errors of the heading cause.
 
         An error e of the heading turns speed u into a sway u e; e changes at the rate's error,
@@ -131,7 +131,7 @@ def fit_position(
     resting: at rest in the first frame. coloured, near: as for `fit_angle`.
     """
     data = screen_measurements(xy, cov, grid)
-    nominal = nominal_motion(data, known.speed, known.heading_noise, resting=resting)
+    nominal = nominal_motion(data, known.speed, known.apparent_sway_noise_density, resting=resting)
     given = (grid.dt_s, flap_hz, nominal, known.theta)
     matrices = MotionMatrices(
         lambda noise: planar_matrices(noise, *given),
@@ -147,10 +147,10 @@ def cost_with_moving_start(fitted: FittedMotionModel) -> float:
     factor = (RELATIVE_START_STDS_MOVING[0] / RELATIVE_START_STDS_RESTING[0]) ** 2
     P0 = fitted.model.P0.copy()
     P0[np.arange(m, 2 * m), np.arange(m, 2 * m)] *= factor
-    return _cost_with_start(fitted, P0)
+    return _cost_with_initial_covariance(fitted, P0)
 
 
-def _cost_with_start(fitted: FittedMotionModel, P0: Float) -> float:
+def _cost_with_initial_covariance(fitted: FittedMotionModel, P0: Float) -> float:
     """Cost of a model, were P0 the covariance of its first state; same noise."""
     model, gate = fitted.model, outlier_gate(fitted.model.z.shape[1])
     other = minus_two_log_likelihood(replace(model, P0=P0), fitted.first, gate)
@@ -194,7 +194,9 @@ def _fit_motion_model(
         ]
     )
     T = grid.scale_s
-    largest = np.log(np.array(MAX_RELATIVE_DENSITIES) * data.speed**2 / [T, T**3] / units[1:3])
+    largest = np.log(
+        np.array(MAX_RELATIVE_NOISE_DENSITIES) * data.speed**2 / [T, T**3] / units[1:3]
+    )
     starts = _starting_log_noise(m, recoils, np.maximum(largest, 0.0))
     common: dict[str, Any] = {"first": data.plausible, "spread": spread}
     found = fit_process_noise(
@@ -203,7 +205,11 @@ def _fit_motion_model(
         starts=starts if near is None else [near.white_noise_logs, *starts],
         **common,
     )
-    if other and _cost_with_start(found, other.at(found.logs).P0) < found.cost - least_gain:
+    if (
+        other
+        and _cost_with_initial_covariance(found, other.model_at_log_noise(found.logs).P0)
+        < found.cost - least_gain
+    ):
         model_of_noise = other
         found = fit_process_noise(model_of_noise, data.seen, starts=[found.logs, *starts], **common)
     if found.logs[-1] > MAX_LOG_NOISE_RATIO_COLOURED and not coloured:
@@ -257,7 +263,9 @@ def _noise_units(data: ScreenedMeasurements, grid: FilterTimeGrid, recoils: int)
     Variance of a steady rate: 12 R / (frames span^2), slope of a line through white noise.
     """
     steady = 12 * data.variance / (data.plausible.sum() * data.span_s**2)
-    densities = UNIT_NOISE_SIGMAS**2 * steady * np.array([1 / data.span_s, 3 / data.span_s**3])
+    densities = (
+        NOISE_UNIT_STANDARD_ERRORS**2 * steady * np.array([1 / data.span_s, 3 / data.span_s**3])
+    )
     shares = [1.0] * (data.z.shape[1] - 1)
     coherence = [RECOIL_COHERENCE_UNIT_BEATS, RECOIL_ONSET_DECAY_UNIT_PER_BEAT] if recoils else []
     return np.array(

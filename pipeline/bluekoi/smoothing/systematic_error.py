@@ -13,7 +13,7 @@ import numpy as np
 
 from ..data import Float, Pose, Track
 
-MIN_NOISE_RATIO = 0.67
+MAX_NOISE_RATIO_WITH_SYSTEMATIC_ERROR = 0.67
 """A noise ratio of at least this counts as 1."""
 
 
@@ -25,7 +25,8 @@ def with_systematic_error(track: Track, pose: Pose, noise_ratio: tuple[float, fl
     """
     stated = np.nanmedian(np.einsum("nii->ni", pose.cov[:, :3, :3]), axis=0)
     hidden = [
-        1 - share if share < MIN_NOISE_RATIO else 0.0 for share in (noise_ratio[0], *noise_ratio)
+        1 - share if share < MAX_NOISE_RATIO_WITH_SYSTEMATIC_ERROR else 0.0
+        for share in (noise_ratio[0], *noise_ratio)
     ]
     x, y, heading = map(float, stated * hidden)
     turn = 2 / float(np.ptp(track.time_s)) ** 2

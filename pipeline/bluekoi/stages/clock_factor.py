@@ -22,7 +22,7 @@ import numpy as np
 from ..campaign import Campaign
 from ..data import FlappingFrequency, Pose, SteadyState, Track
 from ..measurement import clock_error
-from ..mismatch.measured_cause import measured_cause, with_measured_cause
+from ..mismatch.measured_cause import measured_cause_json, with_measured_cause
 from ..mismatch.wrong_clock import CLOCK_CAUSE
 from ..motor import (
     common_clock_ratio,
@@ -47,7 +47,7 @@ class ClockFactor:
     std: float
 
     @property
-    def sigmas(self) -> float:
+    def sigmas_from_one(self) -> float:
         """Distance from 1 in standard deviations."""
         return abs(self.value - 1.0) / self.std
 
@@ -179,11 +179,11 @@ def with_clock_cause(
                 "them).")  # fmt: skip
         turns = (f" (or the motor log counts {1 / factor.value:.4g} turns a tail beat: check "
                  "both)")  # fmt: skip
-    cause = measured_cause(
+    cause = measured_cause_json(
         clock_error,
         {"rate_error": {"value": value - 1, "std": factor.std, "unit": "1"}},
         regime=clock_error.MOST_VISIBLE_WHERE if all_trials else f"trials {', '.join(alike)}",
-        sigmas=factor.sigmas,
+        sigmas=factor.sigmas_from_one,
         sentence=f"The frame rate is wrong by a factor: {said}. The tail beats "
         f"{factor.value:.4g} times as fast in the video as the motor does.{gear}",
     )

@@ -37,7 +37,7 @@ def _filter_and_simulate_three_frames(strength: float) -> None:
     kernel = compile_system(two_plate_system())
     system = kernel.system
     values = np.array([p.start for p in system.parameters])
-    values[system.strength_slots[0]] = strength
+    values[system.strength_parameter_indices[0]] = strength
     states, seen = len(system.all_states), len(system.observations)
     one = TrialSeries(
         name="", group="", condition="", times=np.arange(3) / 30, inputs=np.zeros((3, 2)),

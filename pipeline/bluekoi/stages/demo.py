@@ -9,9 +9,9 @@ from pathlib import Path
 import cv2
 
 from ..files import to_json_types, write_text
-from ..synthetic.campaign import render_trial, study_truth, trial_truth, write_study_files
-from ..synthetic.design import demo_design
 from ..synthetic.footage import render_frames
+from ..synthetic.study_rendering import render_trial, study_truth, trial_truth, write_study_files
+from ..synthetic.synthetic_study_design import demo_design
 from ..synthetic.trial import solve_trial
 
 STUDY_FILES = ("study.yaml", "trials.csv")
@@ -23,7 +23,7 @@ def write_demo_study(study: Path) -> None:
     Files that stand already are left alone, so that
     nothing runs again for their date.
     """
-    design, truth = demo_design(), truth_folder(study) / "truth.json"
+    design, truth = demo_design(), ground_truth_folder(study) / "truth.json"
     with tempfile.TemporaryDirectory() as name:
         write_study_files(design, Path(name), source="videos/{}.mp4", fps=None)
         texts = {study / f: (Path(name) / f).read_text(encoding="utf-8") for f in STUDY_FILES}
@@ -36,7 +36,7 @@ def write_demo_study(study: Path) -> None:
             write_text(target, text)
 
 
-def truth_folder(study: Path) -> Path:
+def ground_truth_folder(study: Path) -> Path:
     """Where the truth of the demo lies: beside the study folder, not in it."""
     return study.with_name(f"{study.name}-truth")
 
@@ -44,7 +44,7 @@ def truth_folder(study: Path) -> Path:
 def demo(study: Path, results: Path, trial_id: str, *, threads: int = 1) -> None:
     """Write videos/ID.mp4 and motor/ID.csv of one demo trial; its truth beside the study folder."""
     del results
-    render_trial(demo_design(), trial_id, study, truth_folder(study), threads=threads)
+    render_trial(demo_design(), trial_id, study, ground_truth_folder(study), threads=threads)
 
 
 def preload() -> None:

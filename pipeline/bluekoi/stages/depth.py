@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..files import read_json_if_present
 from ..study import StudySettings
 from ..study.keypoint_depth import setup_with_keypoint_depth
-from .layout import ResultPaths
+from .result_paths import ResultPaths
 
 
 def keypoint_depth(setup: StudySettings, layout: ResultPaths) -> float:

@@ -18,19 +18,30 @@ from ..files import read_json
 from ..study import Study, Trial
 from .depth import keypoint_depth
 from .keypoint_errors_file import displacements_of_trial
-from .layout import ResultPaths
+from .result_paths import ResultPaths
 
-MAX_COMPARED_BYTES = 2**20
+MAX_BYTES_COMPARED_BY_CONTENT = 2**20
 """Files up to this size are compared by content, larger ones (videos) by size and date."""
 MAX_FILES_READ = 20
 """Source files of a trial whose content is read to compare them; more are pictures."""
-COLUMNS_NOT_READ = ("role", "power_pct", "head_angle_deg", "head_length_m", "motor_log", "flap_hz")
+COLUMNS_WITHOUT_EFFECT_ON_KEYPOINTS = (
+    "role",
+    "power_pct",
+    "head_angle_deg",
+    "head_length_m",
+    "motor_log",
+    "flap_hz",
+)
 """Columns of trials.csv without meaning for the reading of a keypoint file."""
 
 
-def status_file(stage: str, layout: ResultPaths, trial_id: str) -> Path:
+def status_file_path(stage: str, layout: ResultPaths, trial_id: str) -> Path:
     """File in which a stage reports on one trial."""
-    known = {"keypoints": layout.detection, "tracks": layout.status, "overlay": layout.overlaid}
+    known = {
+        "keypoints": layout.detection_status,
+        "tracks": layout.status,
+        "overlay": layout.overlay_status,
+    }
     return known[stage](trial_id)
 
 
@@ -64,11 +75,15 @@ def is_fresh(status: Path, results: Path, inputs: str) -> bool:
 
 
 def _detection_inputs(study: Study, trial: Trial, _: ResultPaths) -> list[Any]:
-    files, setup = file_states(study.paths(trial)), study.setup
+    files, setup = file_fingerprints(study.paths(trial)), study.setup
     if not trial.reads_keypoints:
-        return [without_keys(trial_row(trial), "role"), setup.model_dump(mode="json"), files]
+        return [
+            without_keys(trial_row_as_dict(trial), "role"),
+            setup.model_dump(mode="json"),
+            files,
+        ]
     return [
-        without_keys(trial_row(trial), *COLUMNS_NOT_READ),
+        without_keys(trial_row_as_dict(trial), *COLUMNS_WITHOUT_EFFECT_ON_KEYPOINTS),
         setup.bodyparts,
         setup.detection.model_dump(),
         files,
@@ -79,43 +94,48 @@ def _motion_inputs(study: Study, trial: Trial, layout: ResultPaths) -> list[Any]
     setup = without_keys(study.setup.model_dump(mode="json"), "detection")
     log = study.motor_path(trial)
     depth_m = keypoint_depth(study.setup, layout)
-    given = study.setup.robot.depth_given
+    given = study.setup.robot.keypoint_depth_given
     displaced = displacements_of_trial(trial, layout)
-    files = [file_state(path) for path in (layout.detection(trial.trial_id), log) if path]
-    return [without_keys(trial_row(trial), "role"), setup, given, depth_m, displaced, files]
+    files = [
+        file_fingerprint(path) for path in (layout.detection_status(trial.trial_id), log) if path
+    ]
+    return [without_keys(trial_row_as_dict(trial), "role"), setup, given, depth_m, displaced, files]
 
 
 def _overlay_inputs(study: Study, trial: Trial, layout: ResultPaths) -> list[Any]:
     films = [] if trial.reads_keypoints else list(study.paths(trial))
     fits = (layout.status(trial.trial_id), layout.coefficients, layout.mismatch)
-    return [_motion_inputs(study, trial, layout), [*file_states(films), *map(file_state, fits)]]
+    return [
+        _motion_inputs(study, trial, layout),
+        [*file_fingerprints(films), *map(file_fingerprint, fits)],
+    ]
 
 
-def file_states(paths: Sequence[Path]) -> list[str]:
+def file_fingerprints(paths: Sequence[Path]) -> list[str]:
     """State of each source file; of many pictures, one hash of their names, sizes and dates."""
     if len(paths) <= MAX_FILES_READ:
-        return [file_state(path) for path in paths]
+        return [file_fingerprint(path) for path in paths]
     found = [(path, path.stat()) for path in paths if path.is_file()]
     return [short_hash([[path.name, one.st_size, one.st_mtime_ns] for path, one in found])]
 
 
-def file_state(path: Path) -> str:
+def file_fingerprint(path: Path) -> str:
     """Hash of a small file's content; of a large one's size and date; empty where there is none."""
     try:
         found = path.stat()
     except OSError:
         return ""
-    return _state_hash(path, found.st_size, found.st_mtime_ns)
+    return _size_and_date_hash(path, found.st_size, found.st_mtime_ns)
 
 
 @cache
-def _state_hash(path: Path, size: int, changed_ns: int) -> str:
-    large = size > MAX_COMPARED_BYTES or not path.is_file()
+def _size_and_date_hash(path: Path, size: int, changed_ns: int) -> str:
+    large = size > MAX_BYTES_COMPARED_BY_CONTENT or not path.is_file()
     content = f"{size} {changed_ns}".encode() if large else path.read_bytes()
     return hashlib.sha256(content).hexdigest()[:12]
 
 
-def trial_row(trial: Trial) -> dict[str, Any]:
+def trial_row_as_dict(trial: Trial) -> dict[str, Any]:
     """A row of trials.csv as plain values."""
     return trial.model_dump(mode="json")
 

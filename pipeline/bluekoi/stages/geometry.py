@@ -9,30 +9,34 @@ from typing import Any
 
 import numpy as np
 
-from ..camera.displacement_field import without_displacements
 from ..camera.geometry_hypotheses import HypothesisFit
-from ..camera.keypoint_smoothing import without_smoothing
-from ..camera.length_windows import windows_to_columns
+from ..camera.keypoint_displacement_field import remove_keypoint_displacements
 from ..camera.pool_projection import PoolCamera
 from ..camera.rigid_distances import CameraGeometry, rigid_distances
 from ..camera.rigid_length_check import (
     GeometryCheck,
     check_rigid_distances,
-    estimate_depth,
+    estimate_keypoint_depth,
 )
-from ..camera.whole_length import WHOLE_LENGTH_LABEL, systematic_length_error_share, whole_lengths
-from ..data import Positions
+from ..camera.rigid_length_windows import windows_to_columns
+from ..camera.smoothing_detection import undo_smoothing_of_lengths
+from ..camera.whole_body_length import (
+    WHOLE_LENGTH_LABEL,
+    systematic_length_error_share,
+    whole_body_lengths,
+)
+from ..data import KeypointPositions
 from ..errors import InputError
 from ..files import read_json, write_json
 from ..study import Study, Trial, load_study
 from ..study.keypoint_depth import select_keypoint_depth_m
 from .keypoint_errors_file import displacements_of_trial, read_keypoint_errors
-from .layout import ResultPaths
 from .mapped_keypoints import (
     mapped_keypoint_positions,
     trial_camera,
     trials_with_measured_lengths,
 )
+from .result_paths import ResultPaths
 from .status import successful_trials
 
 LENGTHS_NOT_MEASURED = (
@@ -50,7 +54,7 @@ WHOLE_LENGTH_NOT_MEASURED = (
 STATED_LENGTH_ADVICE = (
     "; so would body_length_m or tail_length_m stated wrongly: measure the robot again"
 )
-WHOLE_LENGTH_SUBJECT = "the body's whole length, nose to tail, comes out"
+WHOLE_LENGTH_SENTENCE_SUBJECT = "the body's whole length, nose to tail, comes out"
 
 
 def geometry(study: Path, results: Path) -> None:
@@ -71,7 +75,7 @@ def geometry(study: Path, results: Path) -> None:
     """
     loaded, layout = load_study(study), ResultPaths(results)
     ids = [trial.trial_id for trial in loaded.trials]
-    good = successful_trials([layout.detection(trial_id) for trial_id in ids])
+    good = successful_trials([layout.detection_status(trial_id) for trial_id in ids])
     measured = trials_with_measured_lengths(loaded, layout)
     check = _check_by_whole_lengths if good and not measured else _check_by_rigid_parts
     try:
@@ -82,7 +86,7 @@ def geometry(study: Path, results: Path) -> None:
     errors = read_keypoint_errors(layout)
     usual = {
         "depth_m": setup.robot.keypoint_depth_m,
-        "depth_given": setup.robot.depth_given,
+        "depth_given": setup.robot.keypoint_depth_given,
         "keypoint_displacements": errors["displacements"],
         "keypoint_displacements_visible": errors["displacements_visible"],
         "keypoint_smoothing": errors["smoothing"],
@@ -97,17 +101,17 @@ def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: ResultPaths
         return _impossible_geometry_check_json("no trial with keypoints")
     camera = trial_camera(study, trials[0], layout)
     lengths = [trial.head_length_m for trial in trials]
-    placed = _placed_keypoints(camera, trials, layout, depth)
-    estimate, std = (depth, 0.0) if camera.lens is None else estimate_depth(
+    placed = _keypoints_without_displacements(camera, trials, layout, depth)
+    estimate, std = (depth, 0.0) if camera.lens is None else estimate_keypoint_depth(
         camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
     )  # fmt: skip
     if (used := select_keypoint_depth_m(setup, estimate, std)) != depth:
-        depth, placed = used, _placed_keypoints(camera, trials, layout, used)
+        depth, placed = used, _keypoints_without_displacements(camera, trials, layout, used)
     distances = rigid_distances(placed, lengths, setup.robot)
     errors = read_keypoint_errors(layout)
     if errors["smoothing"]:
         read = np.array([trial.reads_keypoints for trial in trials])[distances.trial.astype(int)]
-        distances = without_smoothing(distances, read * errors["smoothing"]["variance_s2"])
+        distances = undo_smoothing_of_lengths(distances, read * errors["smoothing"]["variance_s2"])
     check = check_rigid_distances(CameraGeometry(camera, depth), distances)
     found = _geometry_check_json(check, trials)
     if errors["displacements"]:
@@ -127,7 +131,7 @@ def _check_by_whole_lengths(
 ) -> dict[str, Any]:
     """Scale by the body's whole length, where keypoints lie at stated lengths."""
     setup, depth = study.setup, study.setup.robot.keypoint_depth_m
-    recorded = [read_json(layout.detection(t.trial_id)).get("length_seen") for t in trials]
+    recorded = [read_json(layout.detection_status(t.trial_id)).get("length_seen") for t in trials]
     seen = [pairs or [] for pairs in recorded]
     if not any(seen):
         kept = None not in recorded
@@ -136,7 +140,7 @@ def _check_by_whole_lengths(
         return {**found, "tail_end_seen": False} if kept else found
     unseen = [t.trial_id for t, pairs in zip(trials, recorded, strict=True) if pairs == []]
     camera = trial_camera(study, trials[0], layout)
-    distances = whole_lengths(
+    distances = whole_body_lengths(
         mapped_keypoint_positions(camera, trials, layout, depth),
         [np.array(pairs, dtype=np.float64) for pairs in seen],
         [trial.head_length_m for trial in trials],
@@ -144,9 +148,9 @@ def _check_by_whole_lengths(
     )
     geometry = CameraGeometry(camera, depth)
     min_share = systematic_length_error_share(geometry, distances)
-    given = ("keypoint_depth",) if setup.robot.depth_given else ()
+    given = ("keypoint_depth",) if setup.robot.keypoint_depth_given else ()
     check = check_rigid_distances(
-        geometry, distances, subject=WHOLE_LENGTH_SUBJECT, min_share=min_share, given=given
+        geometry, distances, subject=WHOLE_LENGTH_SENTENCE_SUBJECT, min_share=min_share, given=given
     )
     also = "" if check.best is None else STATED_LENGTH_ADVICE
     return {
@@ -161,12 +165,12 @@ def _check_by_whole_lengths(
     }
 
 
-def _placed_keypoints(
+def _keypoints_without_displacements(
     camera: PoolCamera, trials: Sequence[Trial], layout: ResultPaths, depth_m: float
-) -> list[Positions]:
+) -> list[KeypointPositions]:
     """Positions without the displacements that the rigid lengths showed."""
     return [
-        without_displacements(one, displacements_of_trial(trial, layout))
+        remove_keypoint_displacements(one, displacements_of_trial(trial, layout))
         for trial, one in zip(
             trials, mapped_keypoint_positions(camera, trials, layout, depth_m), strict=True
         )

@@ -10,21 +10,21 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ..camera.displaced_session_parts import displacements_by_part
-from ..camera.displacement_field import without_displacements
-from ..camera.keypoint_displacement import displacement_fields, shows_displacements
-from ..camera.keypoint_smoothing import keypoint_smoothing
+from ..camera.displacement_change_point import displacements_by_session_part
+from ..camera.keypoint_displacement import displacement_fields, displacements_identifiable
+from ..camera.keypoint_displacement_field import remove_keypoint_displacements
 from ..camera.rigid_distances import rigid_distances
+from ..camera.smoothing_detection import estimate_keypoint_smoothing
 from ..errors import InputError
 from ..files import write_json
 from ..study import Study, Trial, load_study
 from .keypoint_errors_file import NO_ERRORS
-from .layout import ResultPaths
 from .mapped_keypoints import (
     mapped_keypoint_positions,
     trial_camera,
     trials_with_measured_lengths,
 )
+from .result_paths import ResultPaths
 
 
 def keypoint_errors(study: Path, results: Path) -> None:
@@ -47,14 +47,14 @@ def _errors_of_trials(study: Study, trials: list[Trial], layout: ResultPaths) ->
     robot, lengths = study.setup.robot, [trial.head_length_m for trial in trials]
     camera = trial_camera(study, trials[0], layout)
     mapped = mapped_keypoint_positions(camera, trials, layout, robot.keypoint_depth_m)
-    displaced, placed = displacements_by_part(mapped, lengths, robot), list(mapped)
+    displaced, placed = displacements_by_session_part(mapped, lengths, robot), list(mapped)
     for part, found in displaced:
         for k in part:
-            placed[k] = without_displacements(mapped[k], displacement_fields(found))
+            placed[k] = remove_keypoint_displacements(mapped[k], displacement_fields(found))
     distances = rigid_distances(placed, lengths, robot)
-    smoothing = keypoint_smoothing(distances)
+    smoothing = estimate_keypoint_smoothing(distances)
     return {
-        "displacements_visible": shows_displacements(distances),
+        "displacements_visible": displacements_identifiable(distances),
         "displacements": [
             {
                 "trials": [trials[k].trial_id for k in part],

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ..camera.displacement_field import DisplacementField
+from ..camera.keypoint_displacement_field import KeypointDisplacementField
 from ..files import read_json_if_present
 from ..study import Trial
-from .layout import ResultPaths
+from .result_paths import ResultPaths
 
 NO_ERRORS: Mapping[str, Any] = {
     "displacements": [],
@@ -25,13 +25,15 @@ def read_keypoint_errors(layout: ResultPaths) -> Mapping[str, Any]:
     return read_json_if_present(layout.keypoint_errors) or NO_ERRORS
 
 
-def displacements_of_trial(trial: Trial, layout: ResultPaths) -> dict[str, DisplacementField]:
+def displacements_of_trial(
+    trial: Trial, layout: ResultPaths
+) -> dict[str, KeypointDisplacementField]:
     """Keypoint -> displacement in the pool frame, in the keypoints of a trial."""
     if not trial.reads_keypoints:
         return {}
     parts = read_keypoint_errors(layout)["displacements"]
     return {
-        name: DisplacementField(one["x_m"], one["y_m"], one.get("parallax", 0.0))
+        name: KeypointDisplacementField(one["x_m"], one["y_m"], one.get("parallax", 0.0))
         for part in parts
         if trial.trial_id in part["trials"]
         for name, one in part["keypoints"].items()

@@ -15,7 +15,7 @@ from ..errors import InputError, input_error
 from ..keypoints.deeplabcut import detector_of_file, write_keypoints_csv
 from ..study import Study, Trial, load_study, missing_files_of_trial
 from ..study.frame_count import check_frame_count
-from .layout import ResultPaths
+from .result_paths import ResultPaths
 from .status import run_with_status
 
 MIN_LOST_FRAMES = 3
@@ -31,12 +31,12 @@ def keypoints(
     loaded, layout = load_study(study, only=trial_id), ResultPaths(results)
     trial = loaded.trial(trial_id)
     run_with_status(
-        layout.detection(trial_id),
+        layout.detection_status(trial_id),
         trial_id,
         lambda: _write_detection(loaded, trial, layout.keypoints(trial_id), threads),
         source=trial.source,
-        products=layout.of_detection(trial_id),
-        stale=layout.of_tracks(trial_id),
+        products=layout.detection_files(trial_id),
+        stale=layout.track_files(trial_id),
         inputs=inputs,
     )
 
@@ -56,11 +56,11 @@ def _write_detection(study: Study, trial: Trial, path: Path, threads: int) -> di
     detector = notes["source"] if notes["source"] != "deeplabcut" else ""
     stated_m = study.setup.robot.whole_length_m(trial.head_length_m)
     write_keypoints_csv(path, found, detector, stated_length_m=stated_m)
-    notes = notes | {"length_seen": sampled_lengths(found)}
+    notes = notes | {"length_seen": sampled_whole_lengths(found)}
     return {"remarks": list(found.remarks), "frames_read": len(found.time_s), **notes}
 
 
-def sampled_lengths(found: Keypoints) -> list[list[float]] | None:
+def sampled_whole_lengths(found: Keypoints) -> list[list[float]] | None:
     """Pairs frame, whole length seen over stated, of some frames all over the recording; None where
     the source does not measure it.
     """
@@ -73,7 +73,7 @@ def sampled_lengths(found: Keypoints) -> list[list[float]] | None:
 
 def _read_keypoint_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str, Any]]:
     path = study.paths(trial)[0]
-    found = sources.source_module("deeplabcut").read_keypoints_of_trial(
+    found = sources.keypoint_source_module("deeplabcut").read_keypoints_of_trial(
         path, trial, study.setup.bodyparts,
         stated_length_m=study.setup.robot.whole_length_m(trial.head_length_m),
     )  # fmt: skip
@@ -87,16 +87,16 @@ def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoin
     import cv2  # noqa: PLC0415  only where there is footage
 
     from ..footage import frames, open_recording  # noqa: PLC0415
-    from ..footage.video_probe import CUT_SHORT  # noqa: PLC0415
+    from ..footage.video_probe import TRUNCATED_FILE_REMARK  # noqa: PLC0415
     from ..study.recording_pixels import setup_in_recording_pixels  # noqa: PLC0415
 
     cv2.setNumThreads(threads)
-    detector = sources.source_module(study.setup.detection.source)
+    detector = sources.keypoint_source_module(study.setup.detection.source)
     recording = open_recording(
         study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
     )
     check_frame_count(
-        study, trial, recording.frames_in_part, recording.fps or recording.nominal_fps
+        study, trial, recording.frame_count_in_part, recording.fps or recording.nominal_fps
     )
     colour = getattr(detector, "NEEDS_COLOUR", False)
 
@@ -108,7 +108,7 @@ def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoin
     )
     short = recording.frames_present < recording.frames_declared and trial.end_s is None
     unreadable = unreadable_frames_remark(trial, recording, found.time_s)
-    recorded = [text for text in recording.remarks if not (short and CUT_SHORT in text)]
+    recorded = [text for text in recording.remarks if not (short and TRUNCATED_FILE_REMARK in text)]
     return replace(found, remarks=(*recorded, *found.remarks, *unreadable)), {
         "source": study.setup.detection.source,
         "frames_declared": recording.frames_declared,

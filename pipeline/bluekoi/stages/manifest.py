@@ -15,18 +15,18 @@ from typing import Any
 from ..errors import InputError
 from ..files import read_json, write_json
 from ..study import Study, load_study
-from .freshness import trial_row
+from .freshness import trial_row_as_dict
 
 RUN_ENVIRONMENT_VARIABLE = "BLUEKOI_RUN"
 """Environment variable with the run's command, settings and code, as json."""
 
 
-def record_file_states(study: Study, results: Path, *, made_by_run: bool = False) -> None:
+def record_file_sizes_and_times(study: Study, results: Path, *, made_by_run: bool = False) -> None:
     """Keep size and date of each file of a study as a run begins. made_by_run: the run itself
     renders the files, as it does for the demo; then nothing is kept.
     """
     states = {} if made_by_run else _file_sizes_and_times(study)
-    write_json(_file_record_at_start_path(results), states)
+    write_json(_start_file_record_path(results), states)
 
 
 def write_manifest(study: Path, results: Path) -> list[str]:
@@ -46,7 +46,7 @@ def write_manifest(study: Path, results: Path) -> list[str]:
         "code": run.get("code", ""),
         "versions": environment_versions(),
         "study": loaded.setup.model_dump(mode="json"),
-        "trials": {trial.trial_id: trial_row(trial) for trial in loaded.trials},
+        "trials": {trial.trial_id: trial_row_as_dict(trial) for trial in loaded.trials},
         "inputs": _without_modification_times(hashed),
         "changed_during_run": changed,
     }
@@ -75,7 +75,7 @@ def _package_version(name: str) -> str:
         return "not installed"
 
 
-def _file_record_at_start_path(results: Path) -> Path:
+def _start_file_record_path(results: Path) -> Path:
     return results / "logs" / "files_at_start.cache"
 
 
@@ -89,7 +89,7 @@ def _file_sizes_and_times(study: Study) -> dict[str, list[int]]:
 
 
 def _changed_since_start(study: Study, results: Path) -> list[str]:
-    before, now = _read_cache(_file_record_at_start_path(results)), _file_sizes_and_times(study)
+    before, now = _read_cache(_start_file_record_path(results)), _file_sizes_and_times(study)
     return sorted(name for name in before if now.get(name) != before[name])
 
 
@@ -106,7 +106,7 @@ def _hashed_files(study: Study, results: Path) -> dict[str, dict[str, Any]]:
     found = {}
     for name, stamp in _file_sizes_and_times(study).items():
         last = known.get(name, {})
-        content = last["sha256"] if last.get("stamp") == stamp else sha256(study.root / name)
+        content = last["sha256"] if last.get("stamp") == stamp else file_sha256(study.root / name)
         found[name] = {"sha256": content, "stamp": stamp}
     return found
 
@@ -126,7 +126,7 @@ def _read_cache(cache: Path) -> Mapping[str, Any]:
         return {}
 
 
-def sha256(path: Path) -> str:
+def file_sha256(path: Path) -> str:
     """Hash of a file's content, hexadecimal."""
     with path.open("rb") as content:
         return hashlib.file_digest(content, "sha256").hexdigest()

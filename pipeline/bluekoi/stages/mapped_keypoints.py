@@ -6,31 +6,31 @@ from collections.abc import Sequence
 
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
-from ..data import Positions
+from ..data import KeypointPositions
 from ..files import read_json
 from ..keypoints.deeplabcut import read_detections
-from ..pose.filled_frames import without_filled_frames
+from ..pose.gap_filled_frames import without_filled_frames
 from ..study import Study, Trial
-from .layout import ResultPaths
+from .result_paths import ResultPaths
 from .status import has_measured_lengths, successful_trials
 
 
 def trials_with_measured_lengths(study: Study, layout: ResultPaths) -> list[str]:
     """Names of the trials whose keypoints were not placed at stated lengths."""
     ids = [trial.trial_id for trial in study.trials]
-    good = successful_trials([layout.detection(trial_id) for trial_id in ids])
-    return [name for name in good if has_measured_lengths(layout.detection(name))]
+    good = successful_trials([layout.detection_status(trial_id) for trial_id in ids])
+    return [name for name in good if has_measured_lengths(layout.detection_status(name))]
 
 
 def trial_camera(study: Study, trial: Trial, layout: ResultPaths) -> PoolCamera:
     """Camera of a trial, for the size of its picture."""
-    size = read_json(layout.detection(trial.trial_id)).get("size_px")
+    size = read_json(layout.detection_status(trial.trial_id)).get("size_px")
     return pool_camera(study.setup, (size[0], size[1]) if size else None)
 
 
 def mapped_keypoint_positions(
     camera: PoolCamera, trials: Sequence[Trial], layout: ResultPaths, depth_m: float
-) -> list[Positions]:
+) -> list[KeypointPositions]:
     """Positions in the pool frame, of keypoints at a depth, m; frames that were filled in have no
     likelihood.
     """

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from ..camera.geometry_hypotheses import SYSTEMATIC_LENGTH_ERROR_SHARE
-from ..camera.length_windows import windows_from_columns, windows_of_other_trials
 from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE
+from ..camera.rigid_length_windows import windows_from_columns, windows_without_trials
 from ..campaign import load_campaign
 from ..data import FlappingFrequency, write_columns
 from ..errors import input_error
@@ -29,19 +29,19 @@ from ..model import robot_system, two_plate_system
 from ..motor import log_lead_from_beat_phases
 from ..study import StudySettings, load_study
 from ..study.data_split import held_out_trials
-from ..tuning import downsampled, session_places, trial_kernel
+from ..tuning import compiled_trial_system, downsampled, session_order_fractions
 from .clock_factor import correct_clock, with_clock_cause
 from .clock_measurement import with_clock_measurement
 from .compiling import precompile_model_with_effects as preload
-from .layout import ResultPaths, remove_files
 from .motor_measurements import with_frequency_drift, with_spin_up_time_measurement
+from .result_paths import ResultPaths, remove_files
 from .status import has_measured_lengths, with_numerical_failures_explained
 from .trial_exclusion import contradicted_trials, contradiction_warning, few_trials_warning
 from .tuning import campaign_flapping, campaign_series
 
 __all__ = ["mismatch", "preload"]
 
-MIN_TRIALS = 2
+MIN_TRIALS_TO_FIT = 2
 """Fewer trials determine neither the coefficients nor what is missing."""
 
 stage_logger = logging.getLogger(__name__)
@@ -72,9 +72,9 @@ def mismatch(study: Path, results: Path) -> None:
         loaded, series, campaign.steady, progress=stage_logger.info,
         smoothed_keypoints=campaign.keypoint_smoothing_s > 0,
     )  # fmt: skip
-    kernel = trial_kernel(series)
+    kernel = compiled_trial_system(series)
     series = with_displacement_constants(kernel, series, found.displacements)
-    runs = free_runs(kernel, series, found.extended.trial_values(kernel, series))
+    runs = free_runs(kernel, series, found.extended.parameter_vectors_by_trial(kernel, series))
     remove_files((results / "extended").glob("*.csv"))
     for one, run in zip(series, runs, strict=True):
         path = {f"extended_{k}": run.observed[:, i]
@@ -108,10 +108,10 @@ def mismatch(study: Path, results: Path) -> None:
 
 def refuse_single_trial(study: Path, count: int) -> None:
     """Raises: InputError where fewer trials than `MIN_TRIALS` are left to fit."""
-    if count < MIN_TRIALS:
+    if count < MIN_TRIALS_TO_FIT:
         raise input_error(
             study / "trials.csv", "", f"{count} trial that can be used",
-            f"{MIN_TRIALS} or more, of which one swims straight and one turns",
+            f"{MIN_TRIALS_TO_FIT} or more, of which one swims straight and one turns",
             "One trial does not determine the coefficients. Its track is in the results, in "
             "tracks/ and steady.csv; add trials.",
         )  # fmt: skip
@@ -151,15 +151,15 @@ def with_rigid_length_measurement(
     by_trial = geometry.get("by_trial") or {}
     numbers = [by_trial[i]["number"] for i in left_out if "number" in by_trial.get(i, {})]
     places = {by_trial[name]["number"]: float(place)
-              for name, place in zip(order, session_places(len(order)), strict=True)
+              for name, place in zip(order, session_order_fractions(len(order)), strict=True)
               if "number" in by_trial.get(name, {})}  # fmt: skip
-    windows = windows_of_other_trials(windows_from_columns(geometry["windows"]), numbers)
+    windows = windows_without_trials(windows_from_columns(geometry["windows"]), numbers)
     system, camera = robot_system(setup.robot), setup.camera
     by_homography = camera is not None and camera.matrix is None
     shared = rigid_length_measurement(
         system, dict(zip(system.constants, series[0].constants, strict=True)),
         windows, trials=max(fitted or len(series), 1),
-        depth_given=setup.robot.depth_given and not by_homography,
+        depth_given=setup.robot.keypoint_depth_given and not by_homography,
         systematic=_detector_error_share(geometry), session_places=places,
     )  # fmt: skip
     return [replace(s, shared=shared) for s in series]
@@ -183,7 +183,7 @@ def with_keypoint_distances_from_nose(
     out = []
     for one in series:
         constants = one.constants.copy()
-        if not has_measured_lengths(layout.detection(one.name)):
+        if not has_measured_lengths(layout.detection_status(one.name)):
             constants[ahead] = constants[head] * np.cos(one.inputs[0, 0]) + constants[hinge]
         out.append(replace(one, constants=constants))
     return out

@@ -9,11 +9,11 @@ from typing import Any
 from ..files import read_json, read_json_if_present, write_json
 from ..study import Study, load_study
 from ..trial_warnings import warnings_after_run
-from .layout import ResultPaths, remove_files
 from .manifest import write_manifest
+from .result_paths import ResultPaths, remove_files
 from .trial_failure import failed_trial_lines
 
-CHANGED_MESSAGE = (
+INPUTS_CHANGED_DURING_RUN_MESSAGE = (
     "{} changed while the run was at work: some results are of the file as it was before. "
     "Run the study again."
 )
@@ -34,7 +34,7 @@ def outcome(study: Path, results: Path) -> list[str]:
     warnings = run_warnings(loaded, results, statuses)
     remove_files([done])
     if changed := write_manifest(study, results):
-        warnings.insert(0, CHANGED_MESSAGE.format(", ".join(changed)))
+        warnings.insert(0, INPUTS_CHANGED_DURING_RUN_MESSAGE.format(", ".join(changed)))
     if bad:
         return [*bad, *(f"Warning: {text}" for text in warnings)]
     write_json(done, {"trials": len(statuses), "all_good": True, "warnings": warnings})

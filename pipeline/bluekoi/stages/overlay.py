@@ -9,7 +9,7 @@ from ..campaign import load_campaign
 from ..files import read_json
 from ..report.overlay import write_trial_overlay
 from ..study import Study, load_study
-from .layout import ResultPaths
+from .result_paths import ResultPaths
 from .status import run_with_status
 
 
@@ -22,7 +22,7 @@ def overlay(
     cv2.setNumThreads(threads)
     loaded, layout = load_study(study, only=trial_id), ResultPaths(results)
     run_with_status(
-        layout.overlaid(trial_id),
+        layout.overlay_status(trial_id),
         trial_id,
         lambda: _draw_overlay(loaded, layout, trial_id),
         source=loaded.trial(trial_id).source,

@@ -8,7 +8,7 @@ from pathlib import Path
 from ..campaign import load_campaign
 from ..report.page import write_report
 from ..study import load_study
-from .layout import ResultPaths
+from .result_paths import ResultPaths
 
 
 def report(study: Path, results: Path) -> None:

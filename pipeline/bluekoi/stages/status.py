@@ -12,14 +12,16 @@ import numpy as np
 
 from ..errors import InputError, input_error
 from ..files import read_json, write_json
-from ..keypoints import source_module, source_names
+from ..keypoints import keypoint_source_module, keypoint_source_names
 from ..motor.swimming_plausibility import clock_and_length_warnings
-from .layout import remove_files
+from .result_paths import remove_files
 
 stage_logger = logging.getLogger(__name__)
 
 MEMORY_ADVICE = "run fewer jobs at once (--cores 1) or close other programs, then start again"
-DEFAULT_ADVICE = "Check fps, head_angle_deg and the lengths of study.yaml, and add trials."
+DEFAULT_FIT_FAILURE_ADVICE = (
+    "Check fps, head_angle_deg and the lengths of study.yaml, and add trials."
+)
 """Advice where no warning on the study says more."""
 
 
@@ -71,8 +73,8 @@ def successful_trials(statuses: Sequence[Path]) -> list[str]:
 def has_measured_lengths(detection: Path) -> bool:
     """Whether a trial's keypoints were seen one by one, not placed at stated lengths."""
     name = read_json(detection).get("source")
-    return name not in source_names() or not getattr(
-        source_module(name), "USES_STATED_LENGTHS", False
+    return name not in keypoint_source_names() or not getattr(
+        keypoint_source_module(name), "USES_STATED_LENGTHS", False
     )
 
 
@@ -95,7 +97,7 @@ def with_numerical_failures_explained(
                 "",
                 f"a fit without a solution ({error})",
                 "trials that the model can describe",
-                " ".join(clock_and_length_warnings(found)) or DEFAULT_ADVICE,
+                " ".join(clock_and_length_warnings(found)) or DEFAULT_FIT_FAILURE_ADVICE,
             ) from error
 
     return explained

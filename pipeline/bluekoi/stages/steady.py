@@ -7,7 +7,7 @@ from pathlib import Path
 from ..errors import input_error
 from ..steady import read_steady, write_steady
 from ..study import load_study
-from .layout import ResultPaths, remove_files
+from .result_paths import ResultPaths, remove_files
 from .status import successful_trials
 
 
@@ -23,7 +23,7 @@ def steady(study: Path, results: Path) -> None:
     ids = [trial.trial_id for trial in load_study(study).trials]
     good = successful_trials([layout.status(trial_id) for trial_id in ids])
     if not good:
-        remove_files([*layout.of_tuning, *layout.of_mismatch, layout.report, layout.outcome])
+        remove_files([*layout.tuning_files, *layout.mismatch_files, layout.report, layout.outcome])
         found = f"none of {len(ids)} trials that went well"
         raise input_error(
             results / "status", "", found, "one or more", "What is wrong with each of them follows."

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..files import flatten_mapping, read_manifest
 from ..study import Study
-from .freshness import trial_row
+from .freshness import trial_row_as_dict
 from .manifest import input_file_hashes
 
 MAX_CHANGES_NAMED = 4
@@ -39,7 +39,7 @@ def changes_since_run(study: Study, results: Path) -> list[str]:
     if not manifest.is_file():
         return []
     before = read_manifest(manifest)
-    trials = {trial.trial_id: trial_row(trial) for trial in study.trials}
+    trials = {trial.trial_id: trial_row_as_dict(trial) for trial in study.trials}
     return [
         *_changed_settings(before.get("study") or {}, study.setup.model_dump(mode="json")),
         *_changed_trials(before.get("trials") or {}, trials),

@@ -10,28 +10,28 @@ from typing import Any
 import numpy as np
 
 from ..camera.calibration_uncertainty import calibration_covariance_at_points
-from ..camera.displacement_field import without_displacements
+from ..camera.keypoint_displacement_field import remove_keypoint_displacements
 from ..camera.picture_bounds import check_within_picture
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
-from ..camera.turned_picture import turned_picture_record
+from ..camera.turned_picture import turned_picture_sums
 from ..data import FlappingFrequency, SteadyState, Track, write_pose, write_track
 from ..errors import InputError, input_error
 from ..files import read_json
 from ..keypoints import NO_ROBOT_REMARK
 from ..keypoints.deeplabcut import read_detections
-from ..motor import flapping_record, trial_flapping
+from ..motor import flapping_as_json, trial_flapping
 from ..motor.swimming_plausibility import (
     CHECK_LENGTHS_REMEDY,
     dimensionless_swimming_numbers,
     implausible_numbers_text,
-    tail_length_seen,
+    median_tail_length_m,
 )
-from ..pose.exchanged_frames import undo_head_tail_exchanges
-from ..pose.filled_frames import without_filled_frames
+from ..pose.gap_filled_frames import without_filled_frames
+from ..pose.head_tail_swap import undo_head_tail_swaps
 from ..pose.plausibility import checked_rigid_pose
-from ..pose.trial_comparison import status_of_body_measurements
-from ..smoothing import smooth_with_noise_ratio
+from ..pose.trial_comparison import body_measurements_as_json
+from ..smoothing import smoothed_track_and_noise_ratio
 from ..smoothing.systematic_error import with_systematic_error
 from ..steady import steady_state, write_steady
 from ..study import Study, Trial, load_study
@@ -39,8 +39,8 @@ from .compiling import precompile_smoother as preload
 from .depth import keypoint_depth
 from .head_angle_sign import head_angle_sign_finding
 from .keypoint_errors_file import displacements_of_trial
-from .layout import ResultPaths
 from .pool_edges import check_pool_edges
+from .result_paths import ResultPaths
 from .status import run_with_status
 
 __all__ = ["preload", "tracks"]
@@ -58,13 +58,13 @@ def tracks(study: Path, results: Path, trial_id: str, *, inputs: str = "") -> No
         trial_id,
         lambda: _write_track(loaded, trial, layout),
         source=trial.source,
-        products=layout.of_tracks(trial_id),
+        products=layout.track_files(trial_id),
         inputs=inputs,
     )
 
 
 def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, Any]:
-    detection = read_json(layout.detection(trial.trial_id))
+    detection = read_json(layout.detection_status(trial.trial_id))
     if not detection["ok"]:
         return detection
     size = detection.get("size_px")
@@ -74,11 +74,11 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
         check_within_picture(study.paths(trial)[0], found, study.setup.camera.image_size_px)
     depth = keypoint_depth(study.setup, layout)
     displaced = displacements_of_trial(trial, layout)
-    mapped = without_displacements(
+    mapped = remove_keypoint_displacements(
         map_keypoints(camera, without_filled_frames(found), depth),
         displaced,
     )
-    positions, exchanged = undo_head_tail_exchanges(mapped, study.setup.robot, trial.head_length_m)
+    positions, exchanged = undo_head_tail_swaps(mapped, study.setup.robot, trial.head_length_m)
     try:
         pose = checked_rigid_pose(study, trial, positions)
     except InputError:
@@ -89,7 +89,7 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
         raise
     flapping = trial_flapping(study, trial, positions)
     try:
-        track, shown = smooth_with_noise_ratio(pose, _recoil_hz(flapping))
+        track, shown = smoothed_track_and_noise_ratio(pose, _flap_hz_in_video_clock(flapping))
         steady = _with_clock_remark(steady_state(track, flapping, trial.head_angle_rad), flapping)
     except (np.linalg.LinAlgError, FloatingPointError, ZeroDivisionError) as error:
         raise _smoothing_failed_error(study, trial, error) from error
@@ -99,7 +99,7 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
     write_steady(layout.trial_steady(trial.trial_id), {trial.trial_id: steady})
     edges, moved = check_pool_edges(study, trial)
     remarks = [*moved, *detection["remarks"], *camera.remarks, *track.remarks, *flapping.remarks]
-    if not study.setup.robot.depth_given:
+    if not study.setup.robot.keypoint_depth_given:
         remarks.append(
             f"keypoints taken to lie {1000 * depth:.0f} mm deep; study.yaml says nothing"
         )
@@ -109,17 +109,17 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
     return {
         **detection,
         "remarks": list(dict.fromkeys(remarks)),
-        "flapping": flapping_record(flapping),
+        "flapping": flapping_as_json(flapping),
         "swimming": swimming,
-        "tail_m": tail_length_seen(positions),
-        "body": status_of_body_measurements(found, positions, pose, study.setup.robot, trial),
+        "tail_m": median_tail_length_m(positions),
+        "body": body_measurements_as_json(found, positions, pose, study.setup.robot, trial),
         "exchanged_frames": exchanged,
-        "turned_picture": {} if displaced else turned_picture_record(camera, found, depth),
+        "turned_picture": {} if displaced else turned_picture_sums(camera, found, depth),
         "pool_edges": edges,
     }
 
 
-def _recoil_hz(flapping: FlappingFrequency) -> float:
+def _flap_hz_in_video_clock(flapping: FlappingFrequency) -> float:
     """Flapping frequency in the video's clock, where that is another than the motor's."""
     wrong = not flapping.agrees and np.isfinite(flapping.ratio)
     return flapping.flap_hz * (flapping.ratio if wrong else 1.0)

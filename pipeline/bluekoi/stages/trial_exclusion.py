@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..camera.length_warnings import deviating_lengths
-from ..camera.pool_edge_check import deviating_edges_m
+from ..camera.pool_edge_check import deviating_pool_edges_m
+from ..camera.rigid_length_warnings import length_deviation_by_trial
 from ..campaign import Campaign
 from ..data import FlappingFrequency
 from ..motor import trials_with_deviating_clock
@@ -36,8 +36,8 @@ def contradicted_trials(
     clocks = trials_with_deviating_clock(flapping)
     exchanged = [i for pair in exchanged_recordings(campaign.statuses) for i in pair]
     angles = compare_head_angles(trials, campaign.statuses).contradicted
-    lengths = deviating_lengths(campaign.geometry, MIN_LENGTH_DEVIATION_SHARE)
-    deviating_edges = deviating_edges_m(campaign.statuses, campaign.study.setup.pool)
+    lengths = length_deviation_by_trial(campaign.geometry, MIN_LENGTH_DEVIATION_SHARE)
+    deviating_edges = deviating_pool_edges_m(campaign.statuses, campaign.study.setup.pool)
     trials_without_tail_end = (campaign.geometry or {}).get("trials_without_tail_end", ())
     found = {
         **dict.fromkeys(lengths, "rigid lengths"),

@@ -17,12 +17,12 @@ from ..tuning import (
     coefficients_json_and_fit,
     simulation_columns_by_trial,
     study_series,
-    table_1,
-    table_2,
+    table_1_coefficients,
+    table_2_radius_errors,
 )
 from .clock_factor import correct_clock
 from .compiling import precompile_model as preload
-from .layout import ResultPaths, remove_files
+from .result_paths import ResultPaths, remove_files
 from .status import with_numerical_failures_explained
 from .trial_exclusion import contradicted_trials
 
@@ -44,8 +44,8 @@ def tuning(study: Path, results: Path) -> None:
     for name, columns in simulation_columns_by_trial(series, joint, steps).items():
         recorded = columns["time_s"] / (factors[name].value if name in factors else 1.0)
         write_columns(results / "simulations" / f"{name}.csv", columns | {"time_s": recorded})
-    write_columns(results / "table1.csv", table_1(steps))
-    write_columns(results / "table2.csv", table_2(loaded, steps))
+    write_columns(results / "table1.csv", table_1_coefficients(steps))
+    write_columns(results / "table2.csv", table_2_radius_errors(loaded, steps))
     write_json(layout.coefficients, found)
 
 

@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 
 from ..data import Float
 
-SETTLED_SHARE = 0.99
+SETTLED_SPEED_SHARE = 0.99
 """Settled means this share of v_inf."""
 
 
@@ -51,4 +51,4 @@ def fit_plateau(time_s: Float, speed_m_s: Float, cov: Float) -> Plateau:
     inverse = np.linalg.pinv(found.jac) * weight
     std = float(np.sqrt((inverse @ cov @ inverse.T)[0, 0]))
     speed, begin, tau = (float(v) for v in found.x)
-    return Plateau(speed, std, begin, tau, begin + tau * float(np.arctanh(SETTLED_SHARE)))
+    return Plateau(speed, std, begin, tau, begin + tau * float(np.arctanh(SETTLED_SPEED_SHARE)))

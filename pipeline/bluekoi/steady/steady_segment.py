@@ -17,7 +17,7 @@ from .track_error_covariance import (
     smoothed_error_covariance,
 )
 
-MIN_HEAD_ANGLE_OF_TURN_DEG = 20.0
+MAX_STRAIGHT_RUN_ARC_DEG = 20.0
 """A path that bends less than this determines no radius."""
 MIN_ARC_DEG = 25.0
 """Arc below which a turn determines no radius."""
@@ -28,7 +28,7 @@ YAW_RATE_TOLERANCE_RAD_S = 0.01
 """A change of turning rate, rad/s, that counts as none."""
 MAX_EXTRAPOLATED_SPEED_RATIO = 1.2
 """The speed that the start-up tends to (v_inf) is accepted up to this multiple of the last."""
-MIN_SEGMENT_DISTANCE_M = 0.02
+MIN_PATH_EXTENT_M = 0.02
 """Extent of a path below which the robot did not swim."""
 MIN_SEGMENT_DURATION_S = 0.7
 """Shortest steady part of a trial."""
@@ -59,9 +59,9 @@ def steady_state(track: Track, flapping: FlappingFrequency, head_angle_rad: floa
         return _steady_state_without_data(
             flapping, "fewer than 8 frames: film for longer or check the detection"
         )
-    if np.hypot(np.ptp(track.x_m), np.ptp(track.y_m)) < MIN_SEGMENT_DISTANCE_M:
+    if np.hypot(np.ptp(track.x_m), np.ptp(track.y_m)) < MIN_PATH_EXTENT_M:
         return _steady_state_without_data(
-            flapping, f"the robot moves less than {MIN_SEGMENT_DISTANCE_M:g} m: did it start?"
+            flapping, f"the robot moves less than {MIN_PATH_EXTENT_M:g} m: did it start?"
         )
     plateau = fit_plateau(
         track.time_s, track.speed_m_s, _speed_error_covariance(track, slice(None))
@@ -102,7 +102,7 @@ def _steady_state_of_segment(
         quality="",
         reason="",
     )
-    if abs(np.degrees(arc)) < MIN_HEAD_ANGLE_OF_TURN_DEG and abs(head_angle_rad) < np.radians(2.0):
+    if abs(np.degrees(arc)) < MAX_STRAIGHT_RUN_ARC_DEG and abs(head_angle_rad) < np.radians(2.0):
         return _steady_state_of_straight_run(base, segment, plateau)
     return _steady_state_of_turn(base, track, segment, arc)
 

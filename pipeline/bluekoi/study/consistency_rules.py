@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 INCONSISTENT_VALUES_ERROR_TYPE = "together"
 UNITS_REMEDY = "Units are m, kg and kg m2."
-WIDTH_TO_HEIGHT_RANGE = (0.2, 1.5)
+BODY_WIDTH_TO_HEIGHT_RANGE = (0.2, 1.5)
 """Mean width over height of a swimming body: a disc-shaped fish 0.2, a box 1, a ray more."""
 CORNER_MARGIN_SHARE_OF_IMAGE = 0.25
 """Pool corners may lie outside the image by this share of it, as marks laid out beyond its edge."""
@@ -91,7 +91,7 @@ def setup_problems(setup: StudySettings) -> list[SettingInconsistency]:
         *_inertia_problems(setup),
         *_corner_height_problems(setup),
         *_unknown_bodypart_problems(setup.bodyparts),
-        *_shared_name_problems(setup.bodyparts),
+        *_duplicate_bodypart_problems(setup.bodyparts),
     ]
 
 
@@ -105,7 +105,7 @@ def _inertia_problems(setup: StudySettings) -> list[SettingInconsistency]:
     if inertia < rod:
         return []
     volume = robot.body_length_m * robot.head_span_m * robot.head_span_m
-    if robot.mass_kg < WIDTH_TO_HEIGHT_RANGE[0] * setup.water.density_kg_m3 * volume:
+    if robot.mass_kg < BODY_WIDTH_TO_HEIGHT_RANGE[0] * setup.water.density_kg_m3 * volume:
         expected = (
             f"a mass with which yaw_inertia_kg_m2 {inertia:g} is possible: all of this one at nose "
             f"and tail tip would have {rod:.3g} kg m2"
@@ -136,7 +136,7 @@ def _unknown_bodypart_problems(bodyparts: Iterable[str]) -> list[SettingInconsis
     ]
 
 
-def _shared_name_problems(bodyparts: Mapping[str, str]) -> list[SettingInconsistency]:
+def _duplicate_bodypart_problems(bodyparts: Mapping[str, str]) -> list[SettingInconsistency]:
     owners: dict[str, list[str]] = {}
     for part in BODY_PART_NAMES:
         owners.setdefault(bodyparts.get(part, part), []).append(part)

@@ -19,7 +19,7 @@ def is_image_source(name: str) -> bool:
     return suffix in IMAGE_SUFFIXES or name.endswith("/") or not suffix
 
 
-def mark_folders(root: Path, source: str) -> str:
+def with_slash_after_folders(root: Path, source: str) -> str:
     """A source with a slash after each name that looks like a file's and is a folder's."""
     return ";".join(
         f"{name.rstrip()}/"

@@ -18,7 +18,7 @@ with every trial, and each change would place all keypoints again.
 def select_keypoint_depth_m(setup: StudySettings, estimate_m: float, std_m: float) -> float:
     """Depth to use, m, given an estimate and its standard deviation (0: no estimate)."""
     inside = 0 <= estimate_m < setup.pool.depth_m
-    if setup.robot.depth_given or not (0 < std_m < MAX_ESTIMATED_DEPTH_STD_M and inside):
+    if setup.robot.keypoint_depth_given or not (0 < std_m < MAX_ESTIMATED_DEPTH_STD_M and inside):
         return setup.robot.keypoint_depth_m
     return round(estimate_m, DEPTH_DECIMALS)
 
@@ -28,9 +28,9 @@ def setup_with_keypoint_depth(
 ) -> StudySettings:
     """Setup whose `robot.keypoint_depth_m` is the depth to use, with geometry.json's content.
 
-    `robot.depth_given` still says whether study.yaml gives it.
+    `robot.keypoint_depth_given` still says whether study.yaml gives it.
     """
-    if setup.robot.depth_given or not geometry:
+    if setup.robot.keypoint_depth_given or not geometry:
         return setup
     fields = dict(setup.robot) | {
         "keypoint_depth_m": float(geometry.get("depth_m", setup.robot.keypoint_depth_m))

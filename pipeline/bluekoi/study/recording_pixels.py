@@ -22,7 +22,7 @@ def setup_in_recording_pixels(
     Raises: InputError where the recording is not the picture of study.yaml, scaled alike in both
     directions.
     """
-    scale, given = recording_over_study_pixel_scale(setup, size_px, name), setup.camera
+    scale, given = recording_to_study_pixel_ratio(setup, size_px, name), setup.camera
     if scale == 1.0:
         return setup
     corners = np.array(given.pool_corners_px, dtype=float) * scale + (scale - 1) / 2
@@ -38,7 +38,7 @@ def setup_in_recording_pixels(
 
 def to_study_pixels(setup: StudySettings, size_px: tuple[int, int], points_px: Float) -> Float:
     """Points (n, 2) of a recording of this size in the pixels that study.yaml speaks of."""
-    scale = recording_over_study_pixel_scale(setup, size_px)
+    scale = recording_to_study_pixel_ratio(setup, size_px)
     return (points_px - (scale - 1) / 2) / scale
 
 
@@ -51,14 +51,14 @@ def picture_scaling_homography(factor: float) -> Float:
     return np.array([[factor, 0, shift], [0, factor, shift], [0, 0, 1]])
 
 
-def recording_over_study_pixel_scale(
+def recording_to_study_pixel_ratio(
     setup: StudySettings, size_px: tuple[int, int] | None, name: str = "the recording"
 ) -> float:
     """How many times larger the recording is than the picture study.yaml speaks of."""
-    return scale_over_declared_size(setup.camera.image_size_px, size_px, name)
+    return recording_to_declared_size_ratio(setup.camera.image_size_px, size_px, name)
 
 
-def scale_over_declared_size(
+def recording_to_declared_size_ratio(
     declared: tuple[int, int] | None, size_px: tuple[int, int] | None, name: str
 ) -> float:
     """How many times larger a recording of this name is than the declared image_size_px.

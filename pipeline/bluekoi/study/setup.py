@@ -13,7 +13,7 @@ from ..data import Float
 from .consistency_rules import camera_problems, raise_problems, robot_problems, setup_problems
 
 
-def _refuse_non_plain_number(value: object) -> object:
+def _reject_bool_underscore_and_nonfinite(value: object) -> object:
     if isinstance(value, bool):
         raise ValueError("a number, not true or false")
     if isinstance(value, str) and "_" in value:
@@ -23,11 +23,11 @@ def _refuse_non_plain_number(value: object) -> object:
     return value
 
 
-PlainNumberCheck = BeforeValidator(_refuse_non_plain_number)
+PlainNumberCheck = BeforeValidator(_reject_bool_underscore_and_nonfinite)
 PlainFloat = Annotated[float, PlainNumberCheck]
 MAX_SETTING_MAGNITUDE = 1e7
 """No length, mass, focal length or pixel of a study in SI units is larger; a slip of the pen is."""
-Positive = Annotated[
+PositiveNumber = Annotated[
     float, PlainNumberCheck, Field(gt=0, le=MAX_SETTING_MAGNITUDE, allow_inf_nan=False)
 ]
 BoundedNumber = Annotated[
@@ -36,7 +36,7 @@ BoundedNumber = Annotated[
     Field(ge=-MAX_SETTING_MAGNITUDE, le=MAX_SETTING_MAGNITUDE, allow_inf_nan=False),
 ]
 Pixel = tuple[BoundedNumber, BoundedNumber]
-Row3 = tuple[BoundedNumber, BoundedNumber, BoundedNumber]
+MatrixRow = tuple[BoundedNumber, BoundedNumber, BoundedNumber]
 ImageSize = tuple[Annotated[int, Field(gt=0)], Annotated[int, Field(gt=0)]]
 
 
@@ -48,25 +48,25 @@ def described_field(meaning: str, unit: str = "", default: Any = ..., **limits: 
     return Field(default, description=meaning, json_schema_extra=extra, **limits)
 
 
-class Section(BaseModel):
+class SettingsSection(BaseModel):
     """Keys that stand together; immutable, and a key that is not listed is refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Pool(Section):
+class Pool(SettingsSection):
     """The pool: inner size and water depth."""
 
-    length_m: Positive = described_field(
+    length_m: PositiveNumber = described_field(
         "Inner length, along the x axis of the pool frame.", "m", 2.6
     )
-    width_m: Positive = described_field(
+    width_m: PositiveNumber = described_field(
         "Inner width, along the y axis of the pool frame.", "m", 1.6
     )
-    depth_m: Positive = described_field("Depth of the water.", "m", 0.3)
+    depth_m: PositiveNumber = described_field("Depth of the water.", "m", 0.3)
 
 
-class Water(Section):
+class Water(SettingsSection):
     """The water."""
 
     density_kg_m3: PlainFloat = described_field(
@@ -86,28 +86,28 @@ class Water(Section):
     )
 
 
-class Robot(Section):
+class Robot(SettingsSection):
     """Lengths, mass and yaw inertia of the robot. The 1x head is the head that others are scaled
     from.
     """
 
-    mass_kg: Positive = described_field(
+    mass_kg: PositiveNumber = described_field(
         "Mass of the robot as it swims, with the water in its hull, without added mass. All "
         "coefficients are proportional to it, and no recording can check it.",
         "kg",
     )
-    yaw_inertia_kg_m2: Positive = described_field(
+    yaw_inertia_kg_m2: PositiveNumber = described_field(
         "Moment of inertia about the vertical axis through the centre of mass, without added mass. "
         "Yaw coefficients are proportional to it.",
         "kg m2",
     )
-    body_length_m: Positive = described_field(
+    body_length_m: PositiveNumber = described_field(
         "Nose to caudal base (root of the tail), with the standard (1x) head.", "m"
     )
-    head_length_m: Positive = described_field(
+    head_length_m: PositiveNumber = described_field(
         "Length of the standard (1x) head: nose to hinge.", "m"
     )
-    head_span_m: Positive = described_field(
+    head_span_m: PositiveNumber = described_field(
         "Vertical extent of the head plate; head area = head length x span. Coefficients of forces "
         "are inversely proportional to it, and no recording can check it.",
         "m",
@@ -118,7 +118,9 @@ class Robot(Section):
         ge=0,
         allow_inf_nan=False,
     )
-    tail_length_m: Positive = described_field("Caudal base (root of the tail) to tail tip.", "m")
+    tail_length_m: PositiveNumber = described_field(
+        "Caudal base (root of the tail) to tail tip.", "m"
+    )
     keypoint_depth_m: PlainFloat = described_field(
         "Depth of the keypoints below the still water surface. Without this key, the depth is "
         "estimated from distances between keypoints on one rigid part, which must be the same "
@@ -136,7 +138,7 @@ class Robot(Section):
         return self
 
     @property
-    def depth_given(self) -> bool:
+    def keypoint_depth_given(self) -> bool:
         """Whether study.yaml says how deep the keypoints lie."""
         return "keypoint_depth_m" in self.model_fields_set
 
@@ -172,7 +174,7 @@ class Robot(Section):
         return np.stack([hinge + head_length_m * head, hinge, centre_m, base], axis=-2)
 
 
-class Camera(Section):
+class Camera(SettingsSection):
     """One fixed overhead camera.
 
     Without `matrix` the pool corners give a homography: no correction of lens or refraction.
@@ -184,7 +186,7 @@ class Camera(Section):
     image_size_px: ImageSize | None = described_field(
         "Width and height of the calibration images; required with `matrix`.", "px", None
     )
-    matrix: tuple[Row3, Row3, Row3] | None = described_field(
+    matrix: tuple[MatrixRow, MatrixRow, MatrixRow] | None = described_field(
         "Camera matrix [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], from `bluekoi calibrate`.", "px", None
     )
     distortion: tuple[BoundedNumber, ...] | None = described_field(
@@ -208,7 +210,7 @@ class Camera(Section):
         return self
 
 
-class DetectionSettings(Section):
+class DetectionSettings(SettingsSection):
     """How keypoints are found in footage."""
 
     source: str = described_field(
@@ -231,7 +233,7 @@ class DetectionSettings(Section):
     )
 
 
-class StudySettings(Section):
+class StudySettings(SettingsSection):
     """The whole of study.yaml."""
 
     pool: Pool = described_field("Size of the pool.", "", Pool())

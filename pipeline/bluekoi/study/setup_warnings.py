@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from .consistency_rules import WIDTH_TO_HEIGHT_RANGE
+from .consistency_rules import BODY_WIDTH_TO_HEIGHT_RANGE
 
 if TYPE_CHECKING:
     from .setup import Camera, Robot, StudySettings
@@ -21,7 +21,7 @@ VALIDATED_BODY_LENGTHS_M = (0.2, 1.2)
 """Shortest and longest robots of the simulated studies with hidden causes (docs/evidence.md)."""
 PRINCIPAL_POINT_OFFSET_SHARE = 0.1
 """The axis of a lens meets the sensor within this share of its size from the middle."""
-MAX_DEPTH_SHARE = 0.5
+MAX_KEYPOINT_DEPTH_SHARE = 0.5
 """Keypoints deeper than this share of the water are nearer to the floor than to the surface."""
 INDEX_OF_WATER, MAX_INDEX_DIFFERENCE = 1.333, 0.01
 """Refractive index of water, and how far that of warm, cold or salt water may be from it."""
@@ -45,7 +45,7 @@ def setup_warnings(setup: StudySettings) -> list[str]:
 
 def _keypoint_depth_warnings(setup: StudySettings) -> list[str]:
     depth, water = setup.robot.keypoint_depth_m, setup.pool.depth_m
-    if not setup.robot.depth_given or depth <= MAX_DEPTH_SHARE * water:
+    if not setup.robot.keypoint_depth_given or depth <= MAX_KEYPOINT_DEPTH_SHARE * water:
         return []
     return [
         f"keypoint_depth_m is {depth:g}: the keypoints are nearer to the floor than to the surface "
@@ -125,12 +125,12 @@ def _body_volume_warnings(setup: StudySettings) -> list[str]:
     side = setup.water.density_kg_m3 * robot.body_length_m * robot.head_span_m
     width = robot.mass_kg / side
     share = width / robot.head_span_m
-    if WIDTH_TO_HEIGHT_RANGE[0] <= share <= WIDTH_TO_HEIGHT_RANGE[1]:
+    if BODY_WIDTH_TO_HEIGHT_RANGE[0] <= share <= BODY_WIDTH_TO_HEIGHT_RANGE[1]:
         return []
     return [
         f"mass_kg {robot.mass_kg:g} displaces the water of a body {1000 * width:.0f} mm wide where "
         f"it is as high as head_span_m {robot.head_span_m:g}: width over height {share:.2g} "
-        f"(plausible: {WIDTH_TO_HEIGHT_RANGE[0]:g} to {WIDTH_TO_HEIGHT_RANGE[1]:g}). Check both "
-        f"and their units: coefficients of "
+        f"(plausible: {BODY_WIDTH_TO_HEIGHT_RANGE[0]:g} to {BODY_WIDTH_TO_HEIGHT_RANGE[1]:g}). "
+        "Check both and their units: coefficients of "
         "forces are proportional to mass_kg and inversely proportional to head_span_m."
     ]

@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 from pydantic import TypeAdapter, ValidationError
 
-from ..data.unique_yaml import load_yaml_without_duplicates
+from ..data.strict_yaml import load_yaml_without_duplicates
 from ..errors import InputIssue, input_error, unreadable_reason
 from ..files import read_text
 from .setup import ImageSize, StudySettings

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from ..errors import InputIssue, did_you_mean, unreadable_reason
 from ..files import binary_format, read_text
 from .consistency_rules import is_too_long_path
-from .image_files import is_image_source, mark_folders
+from .image_files import is_image_source, with_slash_after_folders
 from .types import KEYPOINT_SUFFIXES, VIDEO_SUFFIXES, Trial
 from .validation_messages import (
     DECIMAL_POINT_REMEDY,
@@ -26,10 +26,10 @@ MAX_CSV_BYTES, MAX_TRIALS = 10_000_000, 10_000
 NumberedCells = list[tuple[int, list[str]]]
 MAX_LISTED_COLUMNS, MAX_SHOWN_NAME = 5, 40
 """Unknown columns that are listed one by one, and characters of a name that are compared."""
-PATH_RULE = "a path without '..': relative to the study folder, or absolute"
-NUL_RULE = "a path without NUL characters (\\x00), which no file name has"
-SAVE_REMEDY = "Save it as CSV UTF-8."
-OPEN_QUOTE_REMEDY = "Take the mark out, or close it."
+EXPECTED_PATH_TEXT = "a path without '..': relative to the study folder, or absolute"
+EXPECTED_PATH_WITHOUT_NUL_TEXT = "a path without NUL characters (\\x00), which no file name has"
+SAVE_AS_UTF8_REMEDY = "Save it as CSV UTF-8."
+UNCLOSED_QUOTE_REMEDY = "Take the mark out, or close it."
 READ_ERRORS = (OSError, UnicodeDecodeError, csv.Error)
 
 
@@ -74,15 +74,17 @@ def read_incomplete_trials(path: Path) -> list[Trial]:
     return [
         Trial.model_construct(
             trial_id=row.get("trial_id", ""),
-            source=mark_folders(path.parent, _openable(row.get("source", ""))),
-            motor_log=_openable(row.get("motor_log", "")) or None,
+            source=with_slash_after_folders(
+                path.parent, _without_impossible_file_names(row.get("source", ""))
+            ),
+            motor_log=_without_impossible_file_names(row.get("motor_log", "")) or None,
             fps=_positive_number(row.get("fps", "")),
         )
         for row in cells
     ]
 
 
-def _openable(source: str) -> str:
+def _without_impossible_file_names(source: str) -> str:
     """A source without the names that no file can have."""
     names = source.split(";")
     return ";".join(name for name in names if "\0" not in name and not is_too_long_path(name))
@@ -106,14 +108,16 @@ def _read_numbered_rows(path: Path, findings: list[InputIssue]) -> NumberedCells
     """Rows that are not blank, each with the number of its first line in the file."""
     try:
         if kind := binary_format(path):
-            findings.append(InputIssue(str(path), "", kind, "a csv file in UTF-8", SAVE_REMEDY))
+            findings.append(
+                InputIssue(str(path), "", kind, "a csv file in UTF-8", SAVE_AS_UTF8_REMEDY)
+            )
             return []
         rows = _numbered_rows(read_text(path, MAX_CSV_BYTES))
     except FileNotFoundError:
         findings.append(InputIssue(str(path), "", "no such file", "a trials.csv, one row a trial"))
         return []
     except READ_ERRORS as error:
-        remedy = SAVE_REMEDY if isinstance(error, UnicodeDecodeError) else ""
+        remedy = SAVE_AS_UTF8_REMEDY if isinstance(error, UnicodeDecodeError) else ""
         found = f"no readable csv ({unreadable_reason(error)})"
         findings.append(InputIssue(str(path), "", found, "a csv file in UTF-8", remedy))
         return []
@@ -128,7 +132,7 @@ def _table_finding(path: str, rows: NumberedCells) -> InputIssue | None:
         expected, remedy = f"{MAX_TRIALS} trials at most", "Split it into several studies."
         return InputIssue(path, "", f"{len(rows) - 1} rows", expected, remedy)
     if open_quote := next((n for n, row in rows if any("\n" in cell for cell in row)), None):
-        found, remedy = "a quotation mark that is not closed in its row", OPEN_QUOTE_REMEDY
+        found, remedy = "a quotation mark that is not closed in its row", UNCLOSED_QUOTE_REMEDY
         return InputIssue(path, f"row {open_quote}", found, "a row a trial", remedy)
     if len(rows) < 2:
         found = "a header without rows" if rows else "an empty file"
@@ -201,7 +205,7 @@ def _parse_trial(
         return None
     cells = {n: cell.strip() for n, cell in zip(names, row, strict=True) if cell.strip()}
     if "source" in cells:
-        cells["source"] = mark_folders(root, cells["source"])
+        cells["source"] = with_slash_after_folders(root, cells["source"])
     try:
         trial = Trial.model_validate(cells)
     except ValidationError as error:
@@ -215,7 +219,12 @@ def _parse_trial(
 def _path_findings(path: str, row: str, trial: Trial) -> list[InputIssue]:
     named = [*(("source", s) for s in trial.sources), ("motor_log", trial.motor_log or "")]
     found = [
-        InputIssue(path, f"{row}, {column}", repr(name), NUL_RULE if "\0" in name else PATH_RULE)
+        InputIssue(
+            path,
+            f"{row}, {column}",
+            repr(name),
+            EXPECTED_PATH_WITHOUT_NUL_TEXT if "\0" in name else EXPECTED_PATH_TEXT,
+        )
         for column, name in named
         if ".." in Path(name).parts or "\0" in name
     ]

@@ -12,13 +12,13 @@ from pydantic import Field, field_validator, model_validator
 from ..errors import did_you_mean, input_error
 from .consistency_rules import raise_problems, trial_problems
 from .image_files import expand_source, is_image_source
-from .setup import PlainFloat, Section, StudySettings, described_field
+from .setup import PlainFloat, SettingsSection, StudySettings, described_field
 
 VIDEO_SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".m4v", ".360", ".mts")
 KEYPOINT_SUFFIXES = (".csv", ".h5", ".hdf5", ".slp")
 
 
-class Trial(Section):
+class Trial(SettingsSection):
     """One row of trials.csv; `head_angle_rad` is core minus head, counter-clockwise positive."""
 
     trial_id: str = described_field("Name of the trial: unique; letters, digits, `_` and `-`.")
@@ -133,7 +133,7 @@ class Trial(Section):
         return (self.power_pct, self.head_angle_deg, self.head_length_m)
 
 
-class Study(Section):
+class Study(SettingsSection):
     """A checked study folder."""
 
     root: Path

@@ -14,13 +14,13 @@ from pydantic import BaseModel, ValidationError
 from ..errors import InputIssue, did_you_mean
 from .consistency_rules import INCONSISTENT_VALUES_ERROR_TYPE, length_unit_remedy
 
-REMEDIES = {
+EMPTY_KEY_REMEDIES = {
     "camera.pool_corners_px": "`bluekoi pool STUDY` draws a frame with ruled lines, from which to "
     "read four [u, v]."
 }
 """Key of study.yaml that is empty -> where its value comes from."""
 DECIMAL_POINT_REMEDY = "Decimals are written with a point: 29.97, not 29,97."
-EXCHANGED_REMEDY = "Are the columns power_pct and head_angle_deg exchanged?"
+EXCHANGED_COLUMNS_REMEDY = "Are the columns power_pct and head_angle_deg exchanged?"
 DECIMAL_COMMA_PATTERN = re.compile(r"\s*[-+]?\d+,\d+\s*")
 _SHORT_REPR = reprlib.Repr()
 _SHORT_REPR.maxstring = _SHORT_REPR.maxother = 110
@@ -62,20 +62,25 @@ def _issue_from_item(
         remedy = did_you_mean(str(location[-1]), _keys_of_same_section(model, location[:-1]))
         return InputIssue(path, where, "an unknown key", "a known key", remedy)
     if item["type"] == "invalid_key":
-        return InputIssue(path, where, f"the key {shortened_repr(item['input'])}",
-                          "a name before each colon", _key_remedy(item["input"]))  # fmt: skip
+        return InputIssue(
+            path,
+            where,
+            f"the key {shortened_repr(item['input'])}",
+            "a name before each colon",
+            _numeric_key_remedy(item["input"]),
+        )
     if item["type"] == "missing":
         thing = "an entry here" if isinstance(location[-1], int) else "this key, which is required"
         return InputIssue(path, where, "nothing", thing)
     if item["input"] is None:
-        remedy = REMEDIES.get(where, "")
+        remedy = EMPTY_KEY_REMEDIES.get(where, "")
         return InputIssue(path, where, "nothing", _expected_text(item), remedy)
     return InputIssue(
         path, where, shortened_repr(item["input"]), _expected_text(item), _remedy(item)
     )
 
 
-def _key_remedy(key: object) -> str:
+def _numeric_key_remedy(key: object) -> str:
     """For a number as a key, as the end of a number with a decimal comma is in braces."""
     is_number = isinstance(key, int | float) and not isinstance(key, bool)
     return DECIMAL_POINT_REMEDY if is_number else ""
@@ -89,7 +94,7 @@ def _remedy(item: dict[str, Any]) -> str:
     if item["type"] == "less_than_equal" and item["loc"] == ("head_length_m",):
         return length_unit_remedy("head_length_m", float(value), 1.0)
     is_power = item["type"] == "greater_than_equal" and item["loc"] == ("power_pct",)
-    return EXCHANGED_REMEDY if is_power and float(value) < 0 else ""  # not for a NaN
+    return EXCHANGED_COLUMNS_REMEDY if is_power and float(value) < 0 else ""  # not for a NaN
 
 
 def _expected_text(item: dict[str, Any]) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bluekoi.synthetic.laws import Robot
+from bluekoi.synthetic.ground_truth_physics import Robot
 
 KEYPOINTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
 
@@ -131,7 +131,7 @@ def _shaded_parts(outlines: list[np.ndarray], place: complex, axis: complex) -> 
     ]
 
 
-def robot_parts(
+def robot_shapes_to_draw(
     robot: Robot, head_length_m: float, pose: np.ndarray, *, markers: bool = False
 ) -> list[DrawnShape]:
     """Everything to draw of the robot in one pose `(5,)`, bottom first."""

@@ -9,7 +9,6 @@ import numpy as np
 
 from bluekoi.synthetic import distractors
 from bluekoi.synthetic.body import DrawnShape
-from bluekoi.synthetic.design import StudyDesign
 from bluekoi.synthetic.frame_drawing import (
     FilmSetup,
     ImagePlanes,
@@ -23,6 +22,7 @@ from bluekoi.synthetic.glare import add_glare, random_lamp_reflections
 from bluekoi.synthetic.optics import Camera, pool_points_to_pixels
 from bluekoi.synthetic.picture_conditions import PictureConditions
 from bluekoi.synthetic.scene import PoolImagery, build_scene
+from bluekoi.synthetic.synthetic_study_design import StudyDesign
 from bluekoi.synthetic.trial import SolvedTrial, camera_of_design_at_time, trial_rng
 
 
@@ -47,7 +47,7 @@ def film_setup_at(design: StudyDesign, time_s: float) -> FilmSetup:
     )
 
 
-def _release_time_s(trial: SolvedTrial) -> complex:
+def _hand_release_position(trial: SolvedTrial) -> complex:
     x, y, psi = trial.run.start
     return complex(x, y) - 0.10 * complex(math.cos(psi), math.sin(psi))
 
@@ -63,7 +63,7 @@ def distractors_at(
     if state.hand:
         bodies.append(
             (
-                distractors.hand_parts_at_time(time_s, _release_time_s(trial), pool),
+                distractors.hand_parts_at_time(time_s, _hand_release_position(trial), pool),
                 distractors.HAND_HEIGHT_ABOVE_WATER_M,
             )
         )
@@ -83,7 +83,7 @@ def render_frame(
     draw_robot(
         planes,
         stage,
-        trial.motion.pose(now + state.exposure_s * within),
+        trial.motion.pose_with_recoil(now + state.exposure_s * within),
         robot=trial.tank.robot,
         head_length_m=trial.plan.head_length_m,
         floor_m=design.pool_depth_m,

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from bluekoi.synthetic.body import DrawnShape, robot_parts
+from bluekoi.synthetic.body import DrawnShape, robot_shapes_to_draw
 from bluekoi.synthetic.glare import GlarePatch
-from bluekoi.synthetic.laws import Robot
+from bluekoi.synthetic.ground_truth_physics import Robot
 from bluekoi.synthetic.optics import Camera, pool_points_to_pixels
 from bluekoi.synthetic.picture_conditions import PictureConditions
 from bluekoi.synthetic.raster import paint_polygons, pixels_to_canvas
@@ -65,7 +65,9 @@ def _part_colours(parts: Sequence[DrawnShape], contrast: float) -> np.ndarray:
     return np.column_stack([to_yuv(mixed), [part.opacity for part in parts]])
 
 
-def _frame_box(pixels: np.ndarray, size_px: tuple[int, int], margin: int) -> tuple[int, ...]:
+def _even_bounding_box(
+    pixels: np.ndarray, size_px: tuple[int, int], margin: int
+) -> tuple[int, ...]:
     """Left, top, right, bottom of the even box about pixels, cut to the picture."""
     low = np.floor(pixels.min(axis=0)).astype(int) - margin
     high = np.ceil(pixels.max(axis=0)).astype(int) + margin
@@ -104,7 +106,7 @@ def draw_body(
     flat = np.concatenate(outlines)
     points = np.column_stack([flat.real, flat.imag, np.full(len(flat), height_m)])
     pixels = pool_points_to_pixels(stage.camera, points)
-    box = _frame_box(pixels, stage.camera.size_px, 2)
+    box = _even_bounding_box(pixels, stage.camera.size_px, 2)
     if box[2] <= box[0] or box[3] <= box[1]:
         return
     cells = pixels_to_canvas(pixels, (box[0], box[1]))
@@ -132,7 +134,7 @@ def _draw_shadow(
     flat = np.concatenate([part.outline + SHADOW_SHIFT_M for part in parts])
     points = np.column_stack([flat.real, flat.imag, np.full(len(flat), -depth_m)])
     pixels = pool_points_to_pixels(stage.camera, points)
-    box = _frame_box(pixels, stage.camera.size_px, 16)
+    box = _even_bounding_box(pixels, stage.camera.size_px, 16)
     if box[2] <= box[0] or box[3] <= box[1]:
         return
     cells = pixels_to_canvas(pixels, (box[0], box[1])) / 4
@@ -157,7 +159,7 @@ def draw_robot(
 ) -> None:
     """Draw the robot averaged over its poses `(sub-frames, 5)`, in place, its shadow below it."""
     markers = stage.conditions.markers
-    parts = [robot_parts(robot, head_length_m, pose, markers=markers) for pose in poses]
+    parts = [robot_shapes_to_draw(robot, head_length_m, pose, markers=markers) for pose in poses]
     if stage.conditions.shadow:
         _draw_shadow(planes, stage, parts[len(parts) // 2], floor_m)
     depth, contrast = robot.keypoint_depth_m, stage.conditions.contrast

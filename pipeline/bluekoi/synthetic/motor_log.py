@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from bluekoi.files import write_rows
-from bluekoi.synthetic.tank import TrialMotion
+from bluekoi.synthetic.motion_simulation import TrialMotion
 
 SAMPLE_INTERVAL_S = 0.005
 DEAD_ZONE_RANGE_DEG = (336.0, 360.0)
@@ -19,7 +19,7 @@ def motor_angles(motion: TrialMotion, duration_s: float, rng: np.random.Generato
     In the dead zone the reading stays at its border and now and then floats to anywhere.
     """
     time_s = np.arange(0, duration_s, SAMPLE_INTERVAL_S)
-    true = np.degrees(motion.mean(time_s)[:, 6]) % 360
+    true = np.degrees(motion.state_without_recoil(time_s)[:, 6]) % 360
     read = (true + rng.normal(0, ANGLE_NOISE_STD_DEG, len(true))) % 360
     dead = (true > DEAD_ZONE_RANGE_DEG[0]) & (true < DEAD_ZONE_RANGE_DEG[1])
     stuck = DEAD_ZONE_RANGE_DEG[0] + rng.normal(0, 0.5 * ANGLE_NOISE_STD_DEG, len(true))

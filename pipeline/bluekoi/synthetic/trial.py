@@ -8,16 +8,20 @@ from fractions import Fraction
 import numpy as np
 
 from bluekoi.synthetic.body import body_point_positions
-from bluekoi.synthetic.design import StudyDesign, TrialPlan
 from bluekoi.synthetic.eddies import random_eddies
 from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
-from bluekoi.synthetic.laws import GroundTruthPhysics, TrialSettings
+from bluekoi.synthetic.ground_truth_physics import GroundTruthPhysics, TrialSettings
+from bluekoi.synthetic.motion_simulation import (
+    TrialMotion,
+    simulate_true_motion,
+    true_steady_speed_and_radius,
+)
 from bluekoi.synthetic.optics import Camera, displaced_camera, pool_points_to_pixels, resized_camera
-from bluekoi.synthetic.tank import TrialMotion, simulate_true_motion, true_steady_speed_and_radius
+from bluekoi.synthetic.synthetic_study_design import StudyDesign, TrialPlan
 
-START_HEADINGS = 72
+START_HEADING_COUNT = 72
 """Directions tried for the start of a trial, evenly over the circle."""
-CHECK_STEP_S = 0.05
+WALL_CHECK_STEP_S = 0.05
 """Interval at which a path is checked against the walls."""
 STEADY_TRIAL_SHARE = 0.3
 """Last part of a trial, as a share of its duration, over which its true steady state is taken."""
@@ -45,11 +49,13 @@ def _keypoint_path(
     tank: GroundTruthPhysics, plan: TrialPlan, motion: TrialMotion, until_s: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Check times and the keypoints `(times, 5)` at them (x + i y, m)."""
-    time_s = np.arange(0, until_s + 1e-9, CHECK_STEP_S)
-    return time_s, body_point_positions(tank.robot, plan.head_length_m, motion.pose(time_s))
+    time_s = np.arange(0, until_s + 1e-9, WALL_CHECK_STEP_S)
+    return time_s, body_point_positions(
+        tank.robot, plan.head_length_m, motion.pose_with_recoil(time_s)
+    )
 
 
-def _count_leading_frames_fitting(points: np.ndarray, room: tuple[float, float]) -> int:
+def _count_leading_frames_inside_rectangle(points: np.ndarray, room: tuple[float, float]) -> int:
     """How many of the first rows of keypoints fit together into a rectangle."""
     wide = np.maximum.accumulate(points.real.max(1)) - np.minimum.accumulate(points.real.min(1))
     high = np.maximum.accumulate(points.imag.max(1)) - np.minimum.accumulate(points.imag.min(1))
@@ -74,9 +80,9 @@ def start_pose_in_pool(
 ) -> tuple[float, float, float]:
     """Start x, y (m), heading (rad) that keeps a path's keypoints `(times, 5)` inside longest."""
     room = tuple(side - 2 * design.wall_margin_m for side in pool_m)
-    turns = rng.permutation(np.arange(START_HEADINGS)) * (2 * math.pi / START_HEADINGS)
+    turns = rng.permutation(np.arange(START_HEADING_COUNT)) * (2 * math.pi / START_HEADING_COUNT)
     fits = [
-        _count_leading_frames_fitting(points * np.exp(1j * turn), (room[0], room[1]))
+        _count_leading_frames_inside_rectangle(points * np.exp(1j * turn), (room[0], room[1]))
         for turn in turns
     ]
     best = int(np.argmax(fits))
@@ -106,7 +112,7 @@ def solve_trial(
     design: StudyDesign, trial_id: str, *, rate: Fraction = GOPRO_FRAME_RATE_HZ
 ) -> SolvedTrial:
     """The solved trial of a design, from its seed."""
-    plan = design.plan(trial_id)
+    plan = design.plan_of_trial(trial_id)
     rng = trial_rng(design, trial_id, "motion")
     tank = replace(
         design.tank,
@@ -163,7 +169,10 @@ def frame_truth(design: StudyDesign, trial: SolvedTrial) -> dict[str, np.ndarray
     `pose` and `mean` hold x, y (m) and core heading (rad) with and without recoil;
     `velocity` (m/s) and `yaw_rate` (rad/s) are those of the mean motion.
     """
-    pose, mean = trial.motion.pose(trial.time_s), trial.motion.mean(trial.time_s)
+    pose, mean = (
+        trial.motion.pose_with_recoil(trial.time_s),
+        trial.motion.state_without_recoil(trial.time_s),
+    )
     points = body_point_positions(trial.tank.robot, trial.plan.head_length_m, pose)
     return {
         "time_s": trial.time_s,
@@ -185,7 +194,7 @@ def steady_summary(trial: SolvedTrial) -> dict[str, float | str | None]:
     """
     end = float(trial.time_s[-1])
     time_s = np.linspace((1 - STEADY_TRIAL_SHARE) * end, end, 400)
-    mean = trial.motion.mean(time_s)
+    mean = trial.motion.state_without_recoil(time_s)
     speed = np.hypot(mean[:, 3], mean[:, 4])
     course = np.unwrap(np.arctan2(mean[:, 4], mean[:, 3]))
     turn = abs(course[-1] - course[0]) / (time_s[-1] - time_s[0])
@@ -203,11 +212,11 @@ def steady_summary(trial: SolvedTrial) -> dict[str, float | str | None]:
     }
 
 
-def mean_path(trial: SolvedTrial) -> dict[str, list[float]]:
+def true_path_without_recoil(trial: SolvedTrial) -> dict[str, list[float]]:
     """Mean motion, the tail-beat recoil left out: every 0.05 s place (m) and velocity (m/s)."""
     end = float(trial.time_s[-1])
     time_s = np.append(np.arange(0.0, end, TRUE_PATH_INTERVAL_S), end)
-    mean = trial.motion.mean(time_s)
+    mean = trial.motion.state_without_recoil(time_s)
     columns = {"x_m": 0, "y_m": 1, "vx_m_s": 3, "vy_m_s": 4}
     values = {name: mean[:, k] for name, k in columns.items()}
     return {k: np.round(v, 6).tolist() for k, v in {"time_s": time_s, **values}.items()}

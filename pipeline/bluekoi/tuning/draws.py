@@ -8,8 +8,8 @@ from scipy.special import stdtr, stdtrit
 from ..data import Float
 from ..fitting import (
     ParameterFit,
-    conditional_response,
     newton_step_ignoring_bounds,
+    sensitivity_to_other_parameters,
     student_t_draws,
 )
 from .bounds import intervals_at_bounds
@@ -67,5 +67,5 @@ def response_to_parameters_at_bounds(found: ParameterFit, held: list[int]) -> Fl
     own = [i for i in range(len(H)) if i not in bound]
     out = np.zeros((len(H), len(held)))
     if own:
-        out[own] = conditional_response(H, own, held)
+        out[own] = sensitivity_to_other_parameters(H, own, held)
     return out

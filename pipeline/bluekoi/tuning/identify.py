@@ -15,8 +15,8 @@ from ..data import Float
 from ..fitting import Z_95, FilterResults, TrialSeries, filter_all, fit_parameters_jointly
 from ..integrate.batch import threaded_map
 from .bounds import bound_sides
-from .joint_fit import UNDETERMINED_ABOVE, JointFit
-from .similar_robots import trial_kernel
+from .joint_fit import UNDETERMINED_ABOVE_RELATIVE_STD, JointFit
+from .similar_robots import compiled_trial_system
 
 PROFILE_POINTS_STDS = (-2.5, -1.25, -0.6, 0.6, 1.25, 2.5)
 """Where a profile is taken, in standard deviations from the fit."""
@@ -42,8 +42,8 @@ class ParameterCombination:
 
     @property
     def determined(self) -> bool:
-        """Whether it is known to `UNDETERMINED_ABOVE`."""
-        return self.std < UNDETERMINED_ABOVE and not self.side
+        """Whether it is known to `UNDETERMINED_ABOVE_RELATIVE_STD`."""
+        return self.std < UNDETERMINED_ABOVE_RELATIVE_STD and not self.side
 
 
 @dataclass(frozen=True)
@@ -121,8 +121,10 @@ def likelihood_profiles(series: Sequence[TrialSeries], tuned: JointFit) -> list[
     filter: as predictor of one form, the fit is the likeliest (Ljung, System Identification, 1999,
     7.2), which it need not be when the gains of a model that lacks something move with it.
     """
-    kernel = trial_kernel(series)
-    predictor = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
+    kernel = compiled_trial_system(series)
+    predictor = filter_all(
+        kernel, series, tuned.parameter_vectors_by_trial(kernel, series), tuned.noise
+    )
     return threaded_map(
         lambda index: _profile_likelihood(series, tuned, index, predictor),
         range(len(tuned.fit.free)),
@@ -133,7 +135,7 @@ def _profile_likelihood(
     series: Sequence[TrialSeries], tuned: JointFit, index: int, predictor: FilterResults
 ) -> LikelihoodProfile:
     """Profile of one free number, under held gains."""
-    kernel, found = trial_kernel(series), tuned.fit
+    kernel, found = compiled_trial_system(series), tuned.fit
     held, parameter = found.free[index], found.definitions[index]
     largest = PROFILE_RANGE_STDS * parameter_scales(tuned)[index] / max(PROFILE_POINTS_STDS)
     unit = min(max(tuned.std[index], np.sqrt(found.naive_cov[index, index])), largest)
@@ -143,14 +145,14 @@ def _profile_likelihood(
 
     def likelihood(value: float) -> float:
         base = tuned.base.copy()
-        base[kernel.system.slot[held.name]] = value
+        base[kernel.system.parameter_index[held.name]] = value
         return fit_parameters_jointly(
             kernel,
             series,
             base,
             free,
             tuned.noise,
-            start=found.by_label(),
+            start=found.values_by_label(),
             iterations=12,
             tolerance=3e-2,
             predictor=predictor,

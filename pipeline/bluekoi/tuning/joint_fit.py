@@ -32,19 +32,19 @@ from ..model import HYDRODYNAMIC_COEFFICIENTS
 from .bounds import LOWER, UPPER, bound_sides, intervals_at_bounds
 from .similar_robots import (
     HEAD_ANGLE_COLUMN,
+    compiled_trial_system,
     noise_scaled_to_robot,
     robot_units_of_trials,
-    trial_kernel,
 )
 
 SERVO_ERROR_PARAMETER = "servo_error.angle"
 """The parameter that a servo's error in one trial changes."""
-UNDETERMINED_ABOVE = 0.3
+UNDETERMINED_ABOVE_RELATIVE_STD = 0.3
 """A parameter is not determined where its standard deviation exceeds this share of its size."""
 RESTART_COEFFICIENT_SCALES = (0.3, 0.1, 0.03, 0.0)
 """Shares of the usual coefficients from which a fit begins where the model runs away at those. The
 yaw damping, which calms the model, stays as it is."""
-YAW_DAMPING = "C_Md"
+YAW_DAMPING_COEFFICIENT_NAME = "C_Md"
 START_NOISE = Noise(
     np.array([0.005, 0.005, 0.0005, 3e-4, 3e-4, 3e-3]),
     np.array([0.5, 0.5, 0.5, 0.2, 0.2, 0.2]),
@@ -94,7 +94,9 @@ class JointFit:
             out[i] = ends
         return out
 
-    def trial_values(self, kernel: CompiledSystem, series: Sequence[TrialSeries]) -> list[Float]:
+    def parameter_vectors_by_trial(
+        self, kernel: CompiledSystem, series: Sequence[TrialSeries]
+    ) -> list[Float]:
         """Full parameter vector for each trial."""
         return [
             trial_parameter_vector(kernel, self.base, self.fit.free, self.fit.values, s.group)
@@ -117,15 +119,17 @@ def fit_all_trials(
 
     Raises: FloatingPointError where the model runs away from these trials at every start.
     """
-    kernel = trial_kernel(series)
+    kernel = compiled_trial_system(series)
     free = tuple(free or (FreeParameter(p.name) for p in HYDRODYNAMIC_COEFFICIENTS))
-    base = kernel.system.values({}) if base is None else base
+    base = kernel.system.parameter_vector({}) if base is None else base
     begin = noise or noise_scaled_to_robot(robot_units_of_trials(series), START_NOISE)
     found = _first_fit(kernel, series, base, free, noise=begin, start=start)
     if noise is None:
         points = [trial_parameter_vector(kernel, base, free, found.values, s.group) for s in series]
         noise = estimate_noise_model(kernel, series, points, begin, rounds=5).noise
-        found = fit_parameters_jointly(kernel, series, base, free, noise, start=found.by_label())
+        found = fit_parameters_jointly(
+            kernel, series, base, free, noise, start=found.values_by_label()
+        )
     own = servo_error_information(kernel, series, found, base, noise=noise)
     spread = cluster_covariance(found.normal, off_bounds(found), own, min_share=min_share)
     return JointFit(found, noise, spread.cov, base, spread.df, spread.influence)
@@ -141,16 +145,18 @@ def _first_fit(
     start: dict[str, float] | None,
 ) -> ParameterFit:
     """The fit from `start`; where the model runs away there, from smaller and smaller numbers."""
-    slots = kernel.system.slot
+    slots = kernel.system.parameter_index
     given = start or {}
     values = {f.label: given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free}
     for share in (1.0, *RESTART_COEFFICIENT_SCALES):
-        begin = {label: float(value if label.startswith(YAW_DAMPING) else share * value)
-                 for label, value in values.items()}  # fmt: skip
+        begin = {
+            label: float(value if label.startswith(YAW_DAMPING_COEFFICIENT_NAME) else share * value)
+            for label, value in values.items()
+        }
         found = fit_parameters_jointly(
             kernel, series, base, free, noise, start=start if share == 1.0 else begin
         )
-        if found.normal.usable:
+        if found.normal.all_finite:
             return found
     raise FloatingPointError("the model runs away from these trials, whatever its coefficients")
 
@@ -167,9 +173,9 @@ def servo_error_information(
     not have it; None where the fit ran away.
     """
     free = (*found.free, FreeParameter(SERVO_ERROR_PARAMETER))
-    at = np.append(found.values, base[kernel.system.slot[SERVO_ERROR_PARAMETER]])
+    at = np.append(found.values, base[kernel.system.parameter_index[SERVO_ERROR_PARAMETER]])
     normal = trial_normal_equations(kernel, series, base, free, at, noise=noise)
-    if not normal.usable:
+    if not normal.all_finite:
         return None
     return TrialRandomEffect(
         normal.hessian[:, :-1, -1], normal.hessian[:, -1, -1], normal.gradient[:, -1]
@@ -195,7 +201,7 @@ def coefficient_cell(tuned: JointFit, index: int) -> dict[str, Any]:
     if side:
         why = _reason_at_bound(parameter, side, interval)
     else:
-        why = _reason_too_wide(half, naive, value=value, usual=abs(parameter.start))
+        why = _reason_undetermined(half, naive, value=value, usual=abs(parameter.start))
     return {
         "value": value,
         "std": float(tuned.std[index]) if judged else None,
@@ -221,7 +227,7 @@ def _reason_at_bound(parameter: Parameter, side: str, interval: Float) -> str:
     return f"at its bound of {bound:g}; values {to} {other:.3g} agree with these trials"
 
 
-def _reason_too_wide(half: float, naive: float, *, value: float, usual: float) -> str:
+def _reason_undetermined(half: float, naive: float, *, value: float, usual: float) -> str:
     """Why a number is not determined; empty where it is: where the deviation of a normal law with
     its interval, and the naive one, are below 30 % of it or of its usual size.
     """
@@ -229,9 +235,9 @@ def _reason_too_wide(half: float, naive: float, *, value: float, usual: float) -
         return "only one trial determines it: variation between trials cannot show its error"
     size = max(abs(value), usual)
     of = "its size" if abs(value) >= usual else f"its usual size of {usual:g}"
-    if half >= Z_95 * UNDETERMINED_ABOVE * size:
+    if half >= Z_95 * UNDETERMINED_ABOVE_RELATIVE_STD * size:
         share = f"half of its 95 % interval is {100 * half / size:.0f} % of {of}"
-    elif naive >= UNDETERMINED_ABOVE * size:
+    elif naive >= UNDETERMINED_ABOVE_RELATIVE_STD * size:
         share = f"its naive deviation is {100 * naive / size:.0f} % of {of}"
     else:
         return ""

@@ -16,8 +16,8 @@ from ..observation import camera_error_inputs
 from ..study import StudySettings
 from .bounds import bound_sides
 from .identify import ParameterCombination, parameter_scales
-from .joint_fit import UNDETERMINED_ABOVE, JointFit
-from .similar_robots import trial_kernel
+from .joint_fit import UNDETERMINED_ABOVE_RELATIVE_STD, JointFit
+from .similar_robots import compiled_trial_system
 from .turning_trials import TURN_COEFFICIENTS, no_trial_turns_head
 
 CANDIDATE_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0, 60.0)
@@ -49,7 +49,7 @@ def c_optimal_trial(
     with the errors of the trials there are; its Fisher matrix is added, and what is left of the
     combination's deviation counts.
     """
-    kernel = trial_kernel(series)
+    kernel = compiled_trial_system(series)
     size = parameter_scales(tuned)
     tuned = replace(
         tuned, fit=replace(tuned.fit, values=parameters_for_planned_trials(series, tuned))
@@ -76,14 +76,14 @@ def c_optimal_trial(
 
 def parameters_for_planned_trials(series: Sequence[TrialSeries], tuned: JointFit) -> Float:
     """Values (p,) to imagine trials with: the fitted ones, but the plausible one from which fits
-    start where a number stands at a bound or its naive deviation exceeds `UNDETERMINED_ABOVE` of
-    its size: at a bound of 40 simulations run away.
+    start where a number stands at a bound or its naive deviation exceeds
+    `UNDETERMINED_ABOVE_RELATIVE_STD` of its size: at a bound of 40 simulations run away.
     """
     naive = np.sqrt(np.diag(tuned.fit.naive_cov))
     silent = [f.name in TURN_COEFFICIENTS and no_trial_turns_head(series) for f in tuned.fit.free]
     held = [bool(side) for side in bound_sides(tuned.fit)]
     starts = np.array([p.start for p in tuned.fit.definitions])
-    wide = naive > UNDETERMINED_ABOVE * parameter_scales(tuned)
+    wide = naive > UNDETERMINED_ABOVE_RELATIVE_STD * parameter_scales(tuned)
     return np.where(held | np.array(silent) | wide, starts,
                     tuned.fit.values)  # fmt: skip
 
@@ -128,7 +128,7 @@ def _simulate_candidate_trial(
 
 
 def _simulate_states(kernel: CompiledSystem, series: TrialSeries, tuned: JointFit) -> Float:
-    values = tuned.trial_values(kernel, [series])[0]
+    values = tuned.parameter_vectors_by_trial(kernel, [series])[0]
     lanes = [repeat_over_lanes(row[None]) for row in (series.mean, values, series.constants)]
     observed, _ = simulate_batch(
         kernel, *lanes, times=series.times[None], inputs=series.inputs[None]

@@ -23,7 +23,7 @@ from ..model import robot_system, steady_speed_and_radius
 from ..study import Robot, Study, Trial
 from .draws import clip_to_bounds, sample_parameters
 from .joint_fit import JointFit, coefficient_cell, fit_all_trials
-from .similar_robots import trial_kernel
+from .similar_robots import compiled_trial_system
 from .two_step_covariance import sensitivity_to_earlier_step, with_earlier_step_covariance
 
 MAX_STRAIGHT_ANGLE_DEG = 3.0
@@ -47,8 +47,8 @@ def fit_paper_steps(
     """
     trials = {t.trial_id: t for t in study.trials}
     one_x = [s for s in series if _has_one_x_head(study, trials[s.name])]
-    straight = [s for s in one_x if is_straight(trials[s.name])]
-    turns = [s for s in one_x if not is_straight(trials[s.name])]
+    straight = [s for s in one_x if has_straight_head(trials[s.name])]
+    turns = [s for s in one_x if not has_straight_head(trials[s.name])]
     first = (
         fit_all_trials(
             straight,
@@ -110,7 +110,7 @@ def _coefficient_draws_of_power(sampled: Mapping[str, list[float]], power: str) 
     return {"names": list(both), "values": np.array(list(both.values())).T}
 
 
-def is_straight(trial: Trial) -> bool:
+def has_straight_head(trial: Trial) -> bool:
     """Whether the head was straight."""
     return abs(trial.head_angle_deg) < MAX_STRAIGHT_ANGLE_DEG
 
@@ -126,7 +126,9 @@ def _fit_second_step(turns: Sequence[TrialSeries], first: JointFit | None) -> Jo
         FreeParameter("C_Ma"),
         *(FreeParameter(c, g) for g in groups for c in COEFFICIENTS_PER_POWER),
     ]
-    base = trial_kernel(turns).system.values(first.fit.by_label() if first else {})
+    base = compiled_trial_system(turns).system.parameter_vector(
+        first.fit.values_by_label() if first else {}
+    )
     if first is None:
         free = [FreeParameter("C_T"), FreeParameter("C_D0"), *free]
     return fit_all_trials(turns, free, base=base, min_share=MIN_VARIANCE_OVER_NAIVE)

@@ -21,7 +21,7 @@ from .draws import sample_parameters
 from .identify import fisher_eigendirections, likelihood_profiles
 from .joint_fit import JointFit, coefficient_table, fit_all_trials
 from .paper_steps import fit_paper_steps
-from .similar_robots import downsampled, trial_kernel
+from .similar_robots import compiled_trial_system, downsampled
 from .stability import stability_verdict, straight_swimming_growth_per_s, undetermined_stability
 from .turning_trials import (
     count_turning_trials,
@@ -48,7 +48,7 @@ def coefficients_json_and_fit(
     few = downsampled(series)
     steps, _, _ = fit_paper_steps(study, few, steady)
     joint = fit_all_trials(few)
-    values = joint.fit.by_label()
+    values = joint.fit.values_by_label()
     draws = sample_parameters(joint, ENSEMBLE_DRAWS, np.random.default_rng(seed))
     return {
         "unit_reading": PUBLISHED_UNITS_NOTE,
@@ -65,14 +65,14 @@ def coefficients_json_and_fit(
             "ensemble": {"names": list(values), "values": draws},
             "undetermined": undetermined_combinations(few, joint, study.setup),
             "identifiability": identifiability(few, joint),
-            "straight_swimming": straight_swimming(
+            "straight_swimming": straight_swimming_stability(
                 study, steps, joint, draws[:STABILITY_DRAWS], series=few
             ),
         },
     }, joint
 
 
-def straight_swimming(
+def straight_swimming_stability(
     study: Study,
     steps: Mapping[str, Any],
     joint: JointFit,
@@ -90,8 +90,8 @@ def straight_swimming(
             values, setup=study.setup, flap_hz=steps[power]["flap_hz"]
         )
 
-    names = list(joint.fit.by_label())
-    by_power = {power: growth(joint.fit.by_label(), power) for power in steps}
+    names = list(joint.fit.values_by_label())
+    by_power = {power: growth(joint.fit.values_by_label(), power) for power in steps}
     worst = max(by_power, key=lambda power: by_power[power])
     if count_turning_trials(series) < MIN_TURNING_TRIALS or depends_on_one_trial(joint):
         return undetermined_stability(by_power[worst]) | {"by_power": by_power}
@@ -115,7 +115,7 @@ def identifiability(series: Sequence[TrialSeries], joint: JointFit) -> dict[str,
     }
 
 
-def table_1(steps: Mapping[str, Any]) -> dict[str, list[Any]]:
+def table_1_coefficients(steps: Mapping[str, Any]) -> dict[str, list[Any]]:
     """Columns of table1.csv: this study's coefficients at each power beside the paper's."""
     powers = list(steps)
     out: dict[str, list[Any]] = {"power_pct": [float(p) for p in powers]}
@@ -136,7 +136,7 @@ def table_1(steps: Mapping[str, Any]) -> dict[str, list[Any]]:
     return out
 
 
-def table_2(study: Study, steps: Mapping[str, Any]) -> dict[str, list[Any]]:
+def table_2_radius_errors(study: Study, steps: Mapping[str, Any]) -> dict[str, list[Any]]:
     """Columns of table2.csv: model minus data in radius, %, for every turning condition."""
     rows = [
         (p, c)
@@ -170,13 +170,15 @@ def simulation_columns_by_trial(
     series: Sequence[TrialSeries], joint: JointFit, steps: Mapping[str, Any]
 ) -> dict[str, dict[str, Float]]:
     """Trial -> columns of simulations/ID.csv: joint and per-power model from fitted starts."""
-    kernel = trial_kernel(series)
+    kernel = compiled_trial_system(series)
     per_power = [
-        kernel.system.values({n: c["value"] for n, c in steps[s.group]["coefficients"].items()})
+        kernel.system.parameter_vector(
+            {n: c["value"] for n, c in steps[s.group]["coefficients"].items()}
+        )
         for s in series
     ]
     by_model = {
-        "joint": free_runs(kernel, series, joint.trial_values(kernel, series)),
+        "joint": free_runs(kernel, series, joint.parameter_vectors_by_trial(kernel, series)),
         "paper": free_runs(kernel, series, per_power),
     }
     out: dict[str, dict[str, Float]] = {}

@@ -10,7 +10,7 @@ import numpy as np
 from ..data import FlappingFrequency, Float, Pose, Track, has_excess_variance
 from ..fitting import TrialSeries
 from ..fitting.block_average import DEFAULT_BLOCK_RATE_HZ
-from ..model import RobotUnits, constants_of_robot_trial, robot_units, two_plate_system
+from ..model import RobotScaleRatios, constants_of_robot_trial, robot_scale_ratios, two_plate_system
 from ..observation import camera_error_inputs
 from ..study import Study, StudySettings, Trial
 from .similar_robots import HEAD_ANGLE_COLUMN, downsampled, state_std_scaled_to_robot
@@ -33,11 +33,11 @@ RESTING_VELOCITY_STD = np.array([0.01, 0.01, 0.06])  # m/s, m/s, rad/s
 motion of robot and water, for the published robot. In ten studies of `tidal_lock` 9402, the log
 likelihood without causes changes by 10, 10, -21 and -61 in the median with 1/4, 1/2, 2 and 5 times
 these values (`python -m validation first-frame`; at worst by -16, -12, -39 and -100)."""
-MIN_SWIMMING_START_SHARE = 0.3
+MIN_START_OVER_STEADY_SPEED = 0.3
 """Speed in the first frame, over that of the second half, above which a trial begins swimming. Of
 1600 simulated trials from rest, one has more than 0.12 (0.17); the true speeds of 405 simulated
 trials that begin swimming give 0.32 to 0.99 (`campus_pool`)."""
-LONG_BEFORE_S = 600.0
+ASSUMED_PRIOR_MOTOR_RUN_S = 600.0
 """Time since which the motor of a trial that begins swimming runs: its start has no part in it."""
 
 
@@ -54,7 +54,7 @@ def study_series(
     skipped_s: of `trial_series`, in trials whose keypoints are read from files.
     """
     before = [0.0, *(trial.head_angle_rad for trial in study.trials)]
-    places = session_places(len(study.trials))
+    places = session_order_fractions(len(study.trials))
     return [
         trial_series(trial, study.setup, poses[i], tracks[i], flapping[i], angle_before_rad=angle,
                      session_place=float(place),
@@ -65,7 +65,7 @@ def study_series(
     ]  # fmt: skip
 
 
-def session_places(trials: int) -> Float:
+def session_order_fractions(trials: int) -> Float:
     """Place (trials,) of each trial of a session, from 0, the first, to 1; 0.5 of a single one."""
     return np.linspace(0.0, 1.0, trials) if trials > 1 else np.full(trials, 0.5)
 
@@ -108,7 +108,7 @@ def trial_series(
     start_std = INITIAL_STATE_STD.copy()
     if not swims and started >= 0.0:
         start[3:], start_std[3:] = 0.0, RESTING_VELOCITY_STD
-    start_std = state_std_scaled_to_robot(robot_units(setup.robot), start_std)
+    start_std = state_std_scaled_to_robot(robot_scale_ratios(setup.robot), start_std)
     others = len(two_plate_system().all_states) - len(start_std)
     return TrialSeries(
         name=trial.trial_id,
@@ -122,14 +122,14 @@ def trial_series(
             heading_rad=start[2],
             place_m=(start[0], start[1]),
             angle_before_rad=angle_before_rad,
-            start_s=-LONG_BEFORE_S if swims else started,
+            start_s=-ASSUMED_PRIOR_MOTOR_RUN_S if swims else started,
             view=camera_error_inputs(setup, session_place),
         ),
         seen=seen,
         noise=noise,
         mean=np.concatenate([start, np.zeros(others)]),
         cov=np.diag(np.concatenate([start_std, np.full(others, 1e-6)]) ** 2),
-        force_size=_random_force_size(flapping.flap_hz, robot_units(setup.robot)),
+        force_size=_random_force_size(flapping.flap_hz, robot_scale_ratios(setup.robot)),
     )
 
 
@@ -157,10 +157,10 @@ def _head_angle_variance_per_frame(frames: int) -> float:
 def _swims_in_first_frame(track: Track) -> bool:
     """Whether the trial begins while the robot swims: the motor started long before."""
     steady = float(np.nanmedian(track.speed_m_s[len(track.time_s) // 2 :]))
-    return float(track.speed_m_s[0]) > MIN_SWIMMING_START_SHARE * steady
+    return float(track.speed_m_s[0]) > MIN_START_OVER_STEADY_SPEED * steady
 
 
-def _random_force_size(flap_hz: float, units: RobotUnits) -> float:
+def _random_force_size(flap_hz: float, units: RobotScaleRatios) -> float:
     """Size of the random forces in a trial, over that at the usual flapping frequency.
 
     Water that moves at random by w changes the dynamic pressure by rho V w, and the speed V goes

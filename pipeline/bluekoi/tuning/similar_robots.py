@@ -11,7 +11,7 @@ from ..data import Float
 from ..fitting import Noise, TrialSeries, block_averaged
 from ..fitting.block_average import DEFAULT_BLOCK_RATE_HZ, PARABOLA_HALF_WINDOW_S
 from ..integrate import CompiledSystem, compile_system
-from ..model import RobotUnits, robot_units_of_trial, trial_system
+from ..model import RobotScaleRatios, robot_scale_ratios_of_trial, trial_system
 
 HEAD_ANGLE_COLUMN = 3
 """Column of the head angle among the observations."""
@@ -22,26 +22,26 @@ STATE_UNITS = ("m", "m", "rad", "m/s", "m/s", "rad/s")
 """Units of the states of the motion."""
 
 
-def robot_units_of_trials(series: Sequence[TrialSeries]) -> RobotUnits:
+def robot_units_of_trials(series: Sequence[TrialSeries]) -> RobotScaleRatios:
     """Units of the robot in these trials."""
-    return robot_units_of_trial(series[0].constants)
+    return robot_scale_ratios_of_trial(series[0].constants)
 
 
-def trial_kernel(series: Sequence[TrialSeries]) -> CompiledSystem:
+def compiled_trial_system(series: Sequence[TrialSeries]) -> CompiledSystem:
     """The model with the starts, bounds and plausible magnitudes of the robot in these trials."""
     return compile_system(trial_system(series[0].constants))
 
 
-def noise_scaled_to_robot(units: RobotUnits, noise: Noise) -> Noise:
+def noise_scaled_to_robot(units: RobotScaleRatios, noise: Noise) -> Noise:
     """The noise of the published robot for a similar one."""
     own = RANDOM_STATE_UNITS[: len(noise.disturbance)]
-    size = np.array([units.ratio(unit) for unit in own])
+    size = np.array([units.scale_ratio_for_unit(unit) for unit in own])
     return replace(noise, disturbance=noise.disturbance * size, tau=noise.tau * units.time)
 
 
-def state_std_scaled_to_robot(units: RobotUnits, std: Float) -> Float:
+def state_std_scaled_to_robot(units: RobotScaleRatios, std: Float) -> Float:
     """Standard deviations (6,) of the states of the published robot for a similar one."""
-    return std * np.array([units.ratio(unit) for unit in STATE_UNITS])
+    return std * np.array([units.scale_ratio_for_unit(unit) for unit in STATE_UNITS])
 
 
 def downsampled(

@@ -41,7 +41,7 @@ def straight_swimming_growth_per_s(
     varied = [*LINEARISED_STATE_INDICES, *_effect_state_indices(kernel.system, effects or {})]
     for lane, i in enumerate(varied, start=1):
         state[0, i, lane] += 1e-6
-    values = kernel.system.values(coefficients, effects)
+    values = kernel.system.parameter_vector(coefficients, effects)
     _, states = simulate_batch(
         kernel,
         state,
@@ -64,7 +64,7 @@ def _effect_state_indices(system: System, effects: Collection[str]) -> list[int]
     return [system.all_states.index(s) for name in effects for s in system.effect(name).states]
 
 
-MIN_GROWTH_PER_S = 0.05
+MIN_UNSTABLE_GROWTH_PER_S = 0.05
 """Below this a small turn counts as fading."""
 MAX_UNSTEADY_DRAWS_SHARE = 0.05
 """Where more of the draws than this have no steady straight run, nothing is asserted."""
@@ -79,13 +79,13 @@ def stability_verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, A
     low, high = np.quantile([growth, *finite], [0.025, 0.975]).tolist()
     growth_json = {"eigenvalue_per_s": growth, "interval_95": [low, high] if finite else None}
     lost = 1.0 - (1 + len(finite)) / (1 + len(draws))
-    if low <= MIN_GROWTH_PER_S < high or lost > MAX_UNSTEADY_DRAWS_SHARE:
+    if low <= MIN_UNSTABLE_GROWTH_PER_S < high or lost > MAX_UNSTEADY_DRAWS_SHARE:
         sentence = (
             "Whether the fitted model swims straight is not determined by these trials: within the "
             f"coefficients' deviations a small turn goes as e^({low:+.1f} t) to e^({high:+.1f} t)."
         )
         return growth_json | {"stable": None, "sentence": sentence}
-    if growth > MIN_GROWTH_PER_S:
+    if growth > MIN_UNSTABLE_GROWTH_PER_S:
         sentence = (
             f"The fitted model does not swim straight: a small turn grows as e^({growth:.1f} t)"
             f"{_interval_text(growth_json)}. A robot that does is steadied by something the model "
@@ -96,7 +96,7 @@ def stability_verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, A
             f"The fitted model swims straight: a small turn fades as e^({growth:.1f} t)"
             f"{_interval_text(growth_json)}."
         )
-    return growth_json | {"stable": growth <= MIN_GROWTH_PER_S, "sentence": sentence}
+    return growth_json | {"stable": growth <= MIN_UNSTABLE_GROWTH_PER_S, "sentence": sentence}
 
 
 def undetermined_stability(growth: float) -> dict[str, Any]:
@@ -126,10 +126,10 @@ def predictability_horizon_s(
     """Time in which small differences grow by e^`MAX_LOG_GROWTH` in straight swimming, s."""
     times = [np.inf]
     flap = {s.group: float(s.inputs[-1, 1]) for s in series}
-    values = tuned.trial_values(kernel, series)
+    values = tuned.parameter_vectors_by_trial(kernel, series)
     for group, hz in flap.items():
         point = next(v for s, v in zip(series, values, strict=True) if s.group == group)
-        coefficients, effects = kernel.system.named_values(point)
+        coefficients, effects = kernel.system.unpack_parameter_vector(point)
         growth = straight_swimming_growth_per_s(
             coefficients, setup=study.setup, flap_hz=hz, effects=effects
         )

@@ -24,7 +24,7 @@ def steady_errors(
     """Mean size of the errors in steady radius and speed of trials, %; NaN where there are none."""
     speeds: list[float] = []
     radii: list[float] = []
-    for one, values in zip(series, tuned.trial_values(kernel, series), strict=True):
+    for one, values in zip(series, tuned.parameter_vectors_by_trial(kernel, series), strict=True):
         seen = steady.get(one.name)
         if seen is None or seen.quality not in ("good", "short_arc", "straight"):
             continue
@@ -40,7 +40,7 @@ def _steady_speed_and_radius(
     study: Study, kernel: CompiledSystem, one: TrialSeries, seen: SteadyState, values: Float
 ) -> tuple[float, float]:
     """Speed (m/s) and radius (m) of a free run, over the steady segment of the recording."""
-    coefficients, effects = kernel.system.named_values(values)
+    coefficients, effects = kernel.system.unpack_parameter_vector(values)
     trial = study.trial(one.name)
     run = simulate(
         coefficients, setup=study.setup, head_length_m=trial.head_length_m,

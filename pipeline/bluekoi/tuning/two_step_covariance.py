@@ -12,24 +12,31 @@ from dataclasses import replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import TrialSeries, conditional_response, off_bounds, trial_normal_equations
+from ..fitting import (
+    TrialSeries,
+    off_bounds,
+    sensitivity_to_other_parameters,
+    trial_normal_equations,
+)
 from ..fitting.sandwich import MAX_SINGLE_TRIAL_SHARE
 from .joint_fit import JointFit
-from .similar_robots import trial_kernel
+from .similar_robots import compiled_trial_system
 
 
 def sensitivity_to_earlier_step(
     series: Sequence[TrialSeries], later: JointFit, earlier: JointFit
 ) -> Float:
     """G (p, q): response of the later fit, of these trials, to the earlier one's q numbers."""
-    kernel, p = trial_kernel(series), len(later.fit.values)
+    kernel, p = compiled_trial_system(series), len(later.fit.values)
     out = np.zeros((p, len(earlier.fit.values)))
     free = (*later.fit.free, *earlier.fit.free)
     at = np.concatenate([later.fit.values, earlier.fit.values])
     normal = trial_normal_equations(kernel, series, later.base, free, at, noise=later.noise)
     own = np.flatnonzero(off_bounds(later.fit)).tolist()
-    if normal.usable and own:
-        out[own] = conditional_response(normal.hessian.sum(axis=0), own, range(p, len(free)))
+    if normal.all_finite and own:
+        out[own] = sensitivity_to_other_parameters(
+            normal.hessian.sum(axis=0), own, range(p, len(free))
+        )
     return out
 
 

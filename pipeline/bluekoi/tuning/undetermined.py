@@ -19,7 +19,7 @@ from .joint_fit import JointFit
 from .new_trial import RecommendedTrial, c_optimal_trial
 from .turning_trials import TURN_COEFFICIENTS, no_trial_turns_head
 
-MAX_REMAINING_STD = 0.8
+MAX_REMAINING_STD_SHARE = 0.8
 """A trial is recommended if it leaves less than this of a combination's deviation."""
 
 
@@ -125,7 +125,7 @@ def _advice_to_repeat_trial(
 def _next_trial_advice(trial: RecommendedTrial | None) -> str:
     if trial is None:
         return "none: with these coefficients every simulation diverges"
-    if trial.left > MAX_REMAINING_STD:
+    if trial.left > MAX_REMAINING_STD_SHARE:
         return (
             "no single trial of this robot helps much: "
             f"the best leaves {100 * trial.left:.0f} % of the deviation"

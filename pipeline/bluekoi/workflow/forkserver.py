@@ -1,6 +1,6 @@
 """Runs stages in forks of a process that has their modules loaded.
 
-A run starts it once (`start_preloaded_process`); each job's own process asks for a fork
+A run starts it once (`start_fork_server`); each job's own process asks for a fork
 (`forkserver_client`) and waits for its exit code. The modules of a stage are imported, and its
 compiled functions loaded, when it is first asked for, or earlier, while no job asks. A fork writes
 to the standard output and works in the folder of the job that asked; it is killed when that job
@@ -26,7 +26,7 @@ from pathlib import Path
 
 from .forkserver_client import END_OF_REQUEST, EXIT_RUN_ENDED
 from .provenance import PACKAGE_FOLDER
-from .stage_call import exit_with_code_of, run_stage
+from .stage_call import exit_fork_with_code_of, run_stage
 
 MAX_REQUEST_BYTES = 2**20
 COMPILING_MODULE_PREFIX = "bluekoi.stages.compiling"
@@ -35,7 +35,7 @@ COMPILING_MESSAGE = b"compiling (once on a machine, half a minute)\n"
 
 
 @dataclass(frozen=True)
-class Job:
+class ForkRequest:
     """A job that asks for a fork: its connection, its standard output, its folder, its words."""
 
     connection: socket.socket
@@ -45,7 +45,7 @@ class Job:
 
 
 @dataclass
-class Server:
+class ForkServer:
     """Listens for jobs until `lifeline`, the end of a pipe that the run holds, is closed.
 
     ahead: stages to load while no job asks. loaded_by: module of `stages` whose `preload` loads
@@ -58,8 +58,8 @@ class Server:
     lifeline: int
     ahead: list[str]
     loaded_by: dict[str, str] = field(default_factory=dict)
-    running: dict[int, Job] = field(default_factory=dict)
-    held: list[Job] = field(default_factory=list)
+    running: dict[int, ForkRequest] = field(default_factory=dict)
+    held: list[ForkRequest] = field(default_factory=list)
     loaders: dict[str, Callable[[], None] | None] = field(default_factory=dict)
     compiling: dict[int, Callable[[], None]] = field(default_factory=dict)
     waiting: selectors.BaseSelector = field(default_factory=selectors.DefaultSelector)
@@ -78,17 +78,17 @@ class Server:
             if self.lifeline in ready:
                 break
             if not ready:
-                self._load(self.ahead.pop(0))
+                self._preload_stage(self.ahead.pop(0))
             if wake_read in ready:
                 os.read(wake_read, 512)
                 self._reap()
             if self.listener in ready:
-                self._accept()
+                self._accept_request()
             for connection in ready - {wake_read, self.listener}:
-                self._kill_fork_after_hang_up(connection)
-        self._end()
+                self._kill_fork_of_closed_connection(connection)
+        self._shut_down()
 
-    def _end(self) -> None:
+    def _shut_down(self) -> None:
         """Kill the forks and send the waiting jobs EXIT_RUN_ENDED, since a job without an answer
         would run its stage itself.
         """
@@ -104,7 +104,7 @@ class Server:
             with suppress(OSError):
                 connection.sendall(str(EXIT_RUN_ENDED).encode())
 
-    def _accept(self) -> None:
+    def _accept_request(self) -> None:
         connection, _ = self.listener.accept()
         request, fds, _, _ = socket.recv_fds(connection, MAX_REQUEST_BYTES, 2)
         while request and not request.endswith(END_OF_REQUEST):
@@ -112,15 +112,15 @@ class Server:
         folder, *words = (
             os.fsdecode(word) for word in request[: -len(END_OF_REQUEST)].split(b"\0")
         )
-        self._load(words[0])
-        job = Job(connection, fds, folder, words)
+        self._preload_stage(words[0])
+        job = ForkRequest(connection, fds, folder, words)
         if self.loaders[words[0]] in self.compiling.values():
             os.write(fds[-1], COMPILING_MESSAGE)
             self.held.append(job)
         else:
-            self._start(job)
+            self._fork_job(job)
 
-    def _start(self, job: Job) -> None:
+    def _fork_job(self, job: ForkRequest) -> None:
         gc.freeze()
         if pid := os.fork():
             self.running[pid] = job
@@ -128,9 +128,9 @@ class Server:
             for fd in job.fds:
                 os.close(fd)
         else:
-            exit_with_code_of(lambda: _run_job(job))
+            exit_fork_with_code_of(lambda: _run_stage_of_request(job))
 
-    def _load(self, stage: str) -> None:
+    def _preload_stage(self, stage: str) -> None:
         """Import what a stage needs; a stage that cannot be imported says so when it is run.
 
         What is not compiled yet is compiled by a fork, so that other stages can run meanwhile.
@@ -152,7 +152,7 @@ class Server:
             elif pid := os.fork():
                 self.compiling[pid] = load
             else:
-                exit_with_code_of(lambda: _compile_once(load))
+                exit_fork_with_code_of(lambda: _compile_once(load))
         gc.collect()
 
     def _reap(self) -> None:
@@ -165,14 +165,14 @@ class Server:
                     ready = [job for job in self.held if self.loaders[job.words[0]] is load]
                     self.held = [job for job in self.held if job not in ready]
                     for job in ready:
-                        self._start(job)
+                        self._fork_job(job)
                 elif pid in self.running:
                     job = self.running.pop(pid)
                     self.waiting.unregister(job.connection)
                     with suppress(OSError), job.connection as connection:
                         connection.sendall(str(code if code >= 0 else 128 - code).encode())
 
-    def _kill_fork_after_hang_up(self, connection: object) -> None:
+    def _kill_fork_of_closed_connection(self, connection: object) -> None:
         """Kill the fork of a job that has ended."""
         for pid, job in list(self.running.items()):
             if job.connection is connection:
@@ -182,7 +182,7 @@ class Server:
                 os.kill(pid, signal.SIGKILL)
 
 
-def _run_job(job: Job) -> int:
+def _run_stage_of_request(job: ForkRequest) -> int:
     for target, fd in enumerate(job.fds, 1):
         os.dup2(fd, target)
     os.chdir(job.folder)
@@ -218,7 +218,7 @@ def main() -> None:
     named = [word.partition("=") for word in sys.argv[2:]]
     loaded_by = {stage: module for stage, _, module in named if module}
     with socket.socket(fileno=int(sys.argv[1])) as listener:
-        Server(listener, 0, [stage for stage, _, _ in named], loaded_by).serve()
+        ForkServer(listener, 0, [stage for stage, _, _ in named], loaded_by).serve()
 
 
 if __name__ == "__main__":

@@ -6,9 +6,9 @@ import os
 import socket
 from collections.abc import Sequence
 
-ADDRESS_ENVIRONMENT_VARIABLE = "BLUEKOI_PRELOADED"
+FORKSERVER_SOCKET_VARIABLE = "BLUEKOI_PRELOADED"
 """Environment variable with the path of the socket that the preloaded process listens on."""
-COMMAND_ENVIRONMENT_VARIABLE = "BLUEKOI_COMMAND"
+USER_COMMAND_VARIABLE = "BLUEKOI_COMMAND"
 """Environment variable with the command that a person gave."""
 END_OF_REQUEST = b"\0\0"
 EXIT_RUN_ENDED = 143
@@ -35,7 +35,7 @@ def request_stage(words: Sequence[str]) -> int | None:
     socket. None where the preloaded process does not answer (a cluster's node, or it alone was
     killed): the caller then runs the stage itself.
     """
-    address = os.environ.get(ADDRESS_ENVIRONMENT_VARIABLE)
+    address = os.environ.get(FORKSERVER_SOCKET_VARIABLE)
     if not address:
         return None
     with socket.socket(socket.AF_UNIX) as connection:

@@ -17,12 +17,12 @@ from ..errors import input_error
 from ..stages.freshness import (
     is_fresh,
     short_hash,
-    status_file,
+    status_file_path,
     trial_inputs_hash,
-    trial_row,
+    trial_row_as_dict,
     without_keys,
 )
-from ..stages.layout import ResultPaths
+from ..stages.result_paths import ResultPaths
 from ..study import Study, load_study
 from .figure_sources import figure_fingerprint, figure_names, figure_title_and_caption
 from .provenance import source_fingerprint
@@ -39,14 +39,14 @@ MIN_TRIALS_PER_BATCH, MAX_BATCHES = 6, 50
 """Trials with keypoint files share a process: six, or more where that would make over 50 jobs. A
 trial takes 0.3 s, a process of its own as much again. A video takes longer and is a job of its own.
 """
-DRY_RUN_DUE_SUFFIX = "-due"
+DRY_RUN_DUE_MARKER_SUFFIX = "-due"
 """Ending of the marker of a batch that has to run, in a dry run: a missing file is listed there."""
-FORBIDDEN_CHARACTERS = {*"{}<>", *map(chr, range(32))}
+FORBIDDEN_PATH_CHARACTERS = {*"{}<>", *map(chr, range(32))}
 """Characters that Snakemake does not allow in the path of a results folder."""
 
 
 @dataclass(frozen=True)
-class Plan:
+class RunPlan:
     """One run; folders as given, so that logs and reports show what the user wrote.
 
     dry_run: nothing is run, so nothing may be removed either.
@@ -61,14 +61,14 @@ class Plan:
     lock: IO[str] | None = None
 
     @property
-    def trials(self) -> list[str]:
+    def all_trial_ids(self) -> list[str]:
         """Ids of all trials, in the order of trials.csv."""
         return [trial.trial_id for trial in self.study.trials]
 
-    def with_overlay(self) -> list[str]:
+    def overlay_trial_ids(self) -> list[str]:
         """Ids of the trials that get an overlay video."""
         filmed = [t.trial_id for t in self.study.trials if not t.reads_keypoints]
-        return {"all": self.trials, "filmed": filmed, "none": []}[self.overlaid]
+        return {"all": self.all_trial_ids, "filmed": filmed, "none": []}[self.overlaid]
 
     @property
     def detects_outlines(self) -> bool:
@@ -80,77 +80,86 @@ class Plan:
     @cached_property
     def batches(self) -> dict[str, list[str]]:
         """Trials that share a process, by the name of their batch."""
-        size = max(MIN_TRIALS_PER_BATCH, -(-len(self.trials) // MAX_BATCHES))
+        size = max(MIN_TRIALS_PER_BATCH, -(-len(self.all_trial_ids) // MAX_BATCHES))
         read = [t.trial_id for t in self.study.trials if t.reads_keypoints]
         groups = [read[first : first + size] for first in range(0, len(read), size)]
         groups += [[t.trial_id] for t in self.study.trials if not t.reads_keypoints]
         return {f"{number:02d}": group for number, group in enumerate(groups, 1)}
 
     @cached_property
-    def due(self) -> dict[str, set[str]]:
+    def due_trials_by_stage(self) -> dict[str, set[str]]:
         """Trials whose results of a stage are missing, damaged or made from other inputs."""
-        keypoints = self._due_trials_with_earlier("keypoints", set(), self.trials)
-        tracks = self._due_trials_with_earlier("tracks", keypoints, self.trials)
-        overlay = self._due_trials_with_earlier("overlay", tracks, self.with_overlay())
+        keypoints = self._trials_due_here_or_upstream("keypoints", set(), self.all_trial_ids)
+        tracks = self._trials_due_here_or_upstream("tracks", keypoints, self.all_trial_ids)
+        overlay = self._trials_due_here_or_upstream("overlay", tracks, self.overlay_trial_ids())
         return {"keypoints": keypoints, "tracks": tracks, "overlay": overlay}
 
-    def _due_trials_with_earlier(self, stage: str, before: set[str], ids: list[str]) -> set[str]:
+    def _trials_due_here_or_upstream(
+        self, stage: str, before: set[str], ids: list[str]
+    ) -> set[str]:
         """Trials due in a stage, or in the stage before it."""
         layout, code = ResultPaths(self.results), self.code_fingerprint(stage)
 
         def fresh(name: str) -> bool:
             inputs = trial_inputs_hash(stage, self.study, self.study.trial(name), layout, code)
-            return is_fresh(status_file(stage, layout, name), self.results, inputs)
+            return is_fresh(status_file_path(stage, layout, name), self.results, inputs)
 
         return {name for name in ids if name in before or not fresh(name)}
 
-    def markers(self, stage: str) -> list[str]:
+    def batch_marker_files(self, stage: str) -> list[str]:
         """Files that stand for a stage done for all trials, one per batch.
 
         A dry run names those that are due differently, so that they count as missing.
         """
-        wanted = set(self.with_overlay() if stage == "overlay" else self.trials)
+        wanted = set(self.overlay_trial_ids() if stage == "overlay" else self.all_trial_ids)
         return [
-            self._marker(stage, name) for name, ids in self.batches.items() if wanted & set(ids)
+            self._batch_marker_file(stage, name)
+            for name, ids in self.batches.items()
+            if wanted & set(ids)
         ]
 
-    def _marker(self, stage: str, batch: str) -> str:
-        due = self.dry_run and self.due[stage] & set(self.batches[batch])
+    def _batch_marker_file(self, stage: str, batch: str) -> str:
+        due = self.dry_run and self.due_trials_by_stage[stage] & set(self.batches[batch])
         return str(
-            self.results / f"status/batches/{stage}-{batch}{DRY_RUN_DUE_SUFFIX if due else ''}"
+            self.results
+            / f"status/batches/{stage}-{batch}{DRY_RUN_DUE_MARKER_SUFFIX if due else ''}"
         )
 
-    def remove_due_markers(self) -> None:
+    def remove_due_marker_files(self) -> None:
         """Remove the markers of batches with a trial that is out of date."""
-        for stage, due in self.due.items():
+        for stage, due in self.due_trials_by_stage.items():
             for batch in (name for name, ids in self.batches.items() if due & set(ids)):
-                Path(self._marker(stage, batch)).unlink(missing_ok=True)
+                Path(self._batch_marker_file(stage, batch)).unlink(missing_ok=True)
 
-    def batch_options(self, stage: str) -> Any:
+    def batch_trial_options(self, stage: str) -> Any:
         """Input function: options that name the trials of a batch."""
 
         def options(wildcards: Any) -> str:
-            ids = self.batches[wildcards.batch.removesuffix(DRY_RUN_DUE_SUFFIX)]
-            wanted = set(self.with_overlay() if stage == "overlay" else ids)
+            ids = self.batches[wildcards.batch.removesuffix(DRY_RUN_DUE_MARKER_SUFFIX)]
+            wanted = set(self.overlay_trial_ids() if stage == "overlay" else ids)
             return " ".join(f"--trial={name}" for name in ids if name in wanted)
 
         return options
 
-    def keypoints_marker(self, wildcards: Any) -> str:
+    def keypoints_marker_file(self, wildcards: Any) -> str:
         """Marker of a batch's keypoints."""
-        return self._marker("keypoints", wildcards.batch.removesuffix(DRY_RUN_DUE_SUFFIX))
+        return self._batch_marker_file(
+            "keypoints", wildcards.batch.removesuffix(DRY_RUN_DUE_MARKER_SUFFIX)
+        )
 
-    def tracks_marker(self, wildcards: Any) -> str:
+    def tracks_marker_file(self, wildcards: Any) -> str:
         """Marker of a batch's tracks."""
-        return self._marker("tracks", wildcards.batch.removesuffix(DRY_RUN_DUE_SUFFIX))
+        return self._batch_marker_file(
+            "tracks", wildcards.batch.removesuffix(DRY_RUN_DUE_MARKER_SUFFIX)
+        )
 
-    def demo_files(self, wildcards: Any) -> list[str]:
+    def demo_recording_files(self, wildcards: Any) -> list[str]:
         """Files of the demo study that a batch needs; any other study has its files already."""
         if not self.is_demo:
             return []
         trials = [
             self.study.trial(name)
-            for name in self.batches[wildcards.batch.removesuffix(DRY_RUN_DUE_SUFFIX)]
+            for name in self.batches[wildcards.batch.removesuffix(DRY_RUN_DUE_MARKER_SUFFIX)]
         ]
         return [
             str(self.folder / name) for t in trials for name in (*t.sources, t.motor_log) if name
@@ -163,14 +172,20 @@ class Plan:
 
     def targets(self) -> list[str]:
         """Files that a run is made for."""
-        stages = [path for stage in self.due for path in self.markers(stage)]
-        return [*stages, *(str(self.results / name) for name in RESULT_FILES), *self.figures()]
+        stages = [
+            path for stage in self.due_trials_by_stage for path in self.batch_marker_files(stage)
+        ]
+        return [
+            *stages,
+            *(str(self.results / name) for name in RESULT_FILES),
+            *self.figure_png_files(),
+        ]
 
     def memory_mb(self, base: int, each: int) -> int:
         """Memory to ask a cluster for, of a stage that holds all trials at once."""
-        return base + each * len(self.trials)
+        return base + each * len(self.all_trial_ids)
 
-    def figures(self) -> list[str]:
+    def figure_png_files(self) -> list[str]:
         """Pictures of all figures."""
         return [str(self.results / f"figures/{name}.png") for name in figure_names()]
 
@@ -179,11 +194,15 @@ class Plan:
         read = any(trial.reads_keypoints for trial in self.study.trials)
         return [str(ResultPaths(self.results).keypoint_errors)] if read else []
 
-    def depth_file(self) -> list[str]:
+    def keypoint_depth_file(self) -> list[str]:
         """File with the estimated depth of the keypoints, where study.yaml does not give it."""
-        return [] if self.study.setup.robot.depth_given else [str(self.results / "geometry.json")]
+        return (
+            []
+            if self.study.setup.robot.keypoint_depth_given
+            else [str(self.results / "geometry.json")]
+        )
 
-    def figure_inputs(self, wildcards: Any) -> list[str]:
+    def extra_figure_inputs(self, wildcards: Any) -> list[str]:
         """What a figure is drawn from beside the fits and the search."""
         return [str(self.results / "geometry.json")] if wildcards.figure == "geometry" else []
 
@@ -204,16 +223,16 @@ class Plan:
         heads = sorted((trial.trial_id, trial.head_length_m) for trial in self.study.trials)
         setup = self.study.setup.model_dump(mode="json")
         return short_hash(
-            heads, without_keys(setup, "detection"), self.study.setup.robot.depth_given
+            heads, without_keys(setup, "detection"), self.study.setup.robot.keypoint_depth_given
         )
 
     def fit_fingerprint(self) -> str:
         """Fingerprint of what the fits depend on beside tracks: setup, conditions, roles."""
-        rows = [trial_row(trial) for trial in self.study.trials]
+        rows = [trial_row_as_dict(trial) for trial in self.study.trials]
         return short_hash(rows, without_keys(self.study.setup.model_dump(mode="json"), "detection"))
 
 
-def make_plan(settings: Mapping[str, Any]) -> Plan:
+def make_plan(settings: Mapping[str, Any]) -> RunPlan:
     """Plan of a run by its checked settings; the demo's study files are laid out if need be.
 
     Raises: InputError with all that is wrong with the study, or where the results cannot be
@@ -228,12 +247,12 @@ def make_plan(settings: Mapping[str, Any]) -> Plan:
     check_results_name(results)
     _check_results_outside_study(study, results)
     _prepare_results_folder(results)
-    return Plan(folder, results, study, is_demo=is_demo, overlaid=settings["overlays"])
+    return RunPlan(folder, results, study, is_demo=is_demo, overlaid=settings["overlays"])
 
 
 def check_results_name(results: Path) -> None:
     """Raises: InputError where the path has characters with a meaning in Snakemake's patterns."""
-    if found := sorted(set(str(results)) & FORBIDDEN_CHARACTERS):
+    if found := sorted(set(str(results)) & FORBIDDEN_PATH_CHARACTERS):
         raise input_error(
             str(results), "", f"a results folder with {', '.join(map(repr, found))} in its path",
             "a path without { } < > and control characters",

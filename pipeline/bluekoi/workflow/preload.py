@@ -12,15 +12,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from .forkserver_client import ADDRESS_ENVIRONMENT_VARIABLE, BLAS_THREAD_VARIABLES
-from .plan import Plan
+from .forkserver_client import BLAS_THREAD_VARIABLES, FORKSERVER_SOCKET_VARIABLE
+from .plan import RunPlan
 
-DETECTOR_STAGE = "keypoints=compiling_detector"
+DETECTOR_PRELOAD_ARGUMENT = "keypoints=compiling_detector"
 FORKSERVER_COMMAND = (sys.executable, "-P", "-m", "bluekoi.workflow.forkserver")
 
 
-class PreloadedProcess:
-    """A process that stages are forked from; jobs find it by `ADDRESS_ENVIRONMENT_VARIABLE`."""
+class ForkServerProcess:
+    """A process that stages are forked from; jobs find it by `FORKSERVER_SOCKET_VARIABLE`."""
 
     def __init__(self, stages: Sequence[str]) -> None:
         address = str(Path(tempfile.mkdtemp(prefix="bluekoi-")) / "socket")
@@ -34,18 +34,18 @@ class PreloadedProcess:
                 pass_fds=[listener.fileno()],
                 env={**dict.fromkeys(BLAS_THREAD_VARIABLES, "1"), **os.environ},
             )
-        os.environ[ADDRESS_ENVIRONMENT_VARIABLE] = address
+        os.environ[FORKSERVER_SOCKET_VARIABLE] = address
         atexit.register(self.close)
 
     def close(self) -> None:
         """End the process and its forks."""
-        os.environ.pop(ADDRESS_ENVIRONMENT_VARIABLE, None)
+        os.environ.pop(FORKSERVER_SOCKET_VARIABLE, None)
         if self.process.stdin:
             self.process.stdin.close()
         self.process.wait()
 
 
-def start_preloaded_process(workflow: Any, plan: Plan) -> PreloadedProcess | None:
+def start_fork_server(workflow: Any, plan: RunPlan) -> ForkServerProcess | None:
     """Process for the jobs that a workflow is about to run on this machine; None on a cluster."""
     here = workflow.local_exec and not workflow.deployment_settings.deployment_method
     if not here or sys.platform != "linux":
@@ -53,5 +53,5 @@ def start_preloaded_process(workflow: Any, plan: Plan) -> PreloadedProcess | Non
     due = {job.rule.name for job in workflow.dag.needrun_jobs()}
     stages = [rule.name for rule in workflow.rules if rule.name in due - {"all"}]
     if plan.detects_outlines:
-        stages = [DETECTOR_STAGE if stage == "keypoints" else stage for stage in stages]
-    return PreloadedProcess(stages)
+        stages = [DETECTOR_PRELOAD_ARGUMENT if stage == "keypoints" else stage for stage in stages]
+    return ForkServerProcess(stages)

@@ -16,9 +16,9 @@ from snakemake_interface_logger_plugins.common import LogEvent
 
 from ..errors import INTERRUPTED_MESSAGE, escape_control_characters
 from ..files import read_json
-from ..stages.layout import ResultPaths
-from .preload import PreloadedProcess
-from .remaining_time import Timing, duration_text, durations_of_last_run_s
+from ..stages.result_paths import ResultPaths
+from .preload import ForkServerProcess
+from .remaining_time import RemainingTimeEstimator, duration_text, durations_of_last_run_s
 
 HIDDEN_LOG_EVENTS = {
     LogEvent.WORKFLOW_STARTED,
@@ -50,12 +50,12 @@ TRACEBACK_HEADER = "Traceback (most recent call last)"
 INTERRUPT_EXCEPTION_NAMES = ("KeyboardInterrupt", "CancelledError")
 PROGRESS_LINE_INTERVAL_S = 2.0
 """Time between lines of progress."""
-TICK_S = 1.0
+TERMINAL_UPDATE_INTERVAL_S = 1.0
 """Time between updates of the line on a terminal."""
 RUNNING_JOB_NOTE_AFTER_S = 30.0
 """On a file, so long without a job that ends brings a line on the one that runs."""
 FILE_CLOCK_TOLERANCE_S = 2.0  # by so much a file system's clock may lag behind ours
-MAX_WORD_CHARACTERS = 60
+MAX_LOG_LINE_CHARACTERS = 60
 """Characters of a stage's own last word."""
 
 
@@ -95,7 +95,7 @@ def _is_user_interrupt(text: str) -> bool:
     return any(name in text for name in INTERRUPT_EXCEPTION_NAMES)
 
 
-def signal_that_killed(text: str) -> str:
+def killing_signal_name(text: str) -> str:
     """Name of the signal that ended a command, by Snakemake's words on it; else nothing.
 
     A stage that is killed leaves its shell, which returns 128 and the signal's number.
@@ -119,82 +119,82 @@ class SnakemakeProgressHandler(logging.Handler):
         super().__init__(logging.INFO)
         self.report, self.stream = report, stream
         self.live = stream.isatty()
-        self.timing = Timing(durations_of_last_run_s(report.parent))
+        self.timing = RemainingTimeEstimator(durations_of_last_run_s(report.parent))
         self.logs: dict[int, tuple[Path, float]] = {}
         self.last_s = 0.0
         self.stopped = False
-        self.preloaded: PreloadedProcess | None = None
+        self.preloaded: ForkServerProcess | None = None
         self.over = threading.Event()
-        self.ticker = threading.Thread(target=self._tick, daemon=True)
+        self.ticker = threading.Thread(target=self._update_periodically, daemon=True)
 
     def emit(self, record: logging.LogRecord) -> None:
         """Show one event."""
         event, found = getattr(record, "event", None), record.__dict__
         if event == LogEvent.RUN_INFO and "stats" in found:
-            self.timing.expect(found["stats"])
+            self.timing.set_expected_jobs(found["stats"])
         elif event == LogEvent.JOB_INFO:
-            self._start(found)
+            self._on_job_started(found)
         elif event == LogEvent.JOB_FINISHED:
-            self._finish(found["job_id"])
+            self._on_job_finished(found["job_id"])
         elif event == LogEvent.JOB_ERROR:
             self._report_failed_job(found)
-        elif name := signal_that_killed(record.getMessage()):
-            self._killed(name)
+        elif name := killing_signal_name(record.getMessage()):
+            self._report_killed_stage(name)
         elif "cannot be locked" in record.getMessage():
             self._print(LOCKED_MESSAGE)
         elif TRACEBACK_HEADER in record.getMessage() and _is_user_interrupt(record.getMessage()):
-            self._interrupted()
+            self._report_interruption()
         elif record.getMessage().startswith("Nothing to be done"):
             self._print("Everything is up to date.")
-            self.farewell()
+            self.print_final_summary()
 
-    def _killed(self, name: str) -> None:
+    def _report_killed_stage(self, name: str) -> None:
         if name != "SIGINT":
             self._print(KILLED_MESSAGE.format(name))
         else:
-            self._interrupted()
+            self._report_interruption()
 
-    def _interrupted(self) -> None:
+    def _report_interruption(self) -> None:
         if not self.stopped:
             self.stopped = True
             self._print(INTERRUPTED_MESSAGE)
 
-    def _start(self, found: dict[str, Any]) -> None:
+    def _on_job_started(self, found: dict[str, Any]) -> None:
         self.timing.job_started(found["jobid"], found["rule_name"], time.monotonic())
         if logs := found.get("log"):
             self.logs[found["jobid"]] = (Path(logs[0]), time.time())
-        self._line(_job_name(found), now=not self.live and self.last_s == 0.0)
+        self._print_progress_line(_job_name(found), now=not self.live and self.last_s == 0.0)
         if not self.ticker.ident:
             self.ticker.start()
 
-    def _finish(self, job: int) -> None:
+    def _on_job_finished(self, job: int) -> None:
         self.logs.pop(job, None)
         if done := self.timing.job_finished(job, time.monotonic()):
-            ended = self.timing.done == self.timing.total
-            self._line(self.timing.running() or done, now=ended)
+            ended = self.timing.finished_job_count == self.timing.total_job_count
+            self._print_progress_line(self.timing.running_rule_names() or done, now=ended)
 
-    def _tick(self) -> None:
+    def _update_periodically(self) -> None:
         """Show jobs that run long, until the run is over."""
-        while not self.over.wait(TICK_S):
+        while not self.over.wait(TERMINAL_UPDATE_INTERVAL_S):
             with self.lock or threading.RLock():
-                self.still()
+                self.print_if_silent()
 
-    def still(self) -> None:
+    def print_if_silent(self) -> None:
         """Print what runs if nothing was printed for a while."""
         silent = time.monotonic() - self.last_s > (
-            TICK_S if self.live else RUNNING_JOB_NOTE_AFTER_S
+            TERMINAL_UPDATE_INTERVAL_S if self.live else RUNNING_JOB_NOTE_AFTER_S
         )
         if silent and self.timing.started and not self.stopped:
-            self._line(self.timing.running(), now=True)
+            self._print_progress_line(self.timing.running_rule_names(), now=True)
 
-    def _line(self, name: str, *, now: bool) -> None:
+    def _print_progress_line(self, name: str, *, now: bool) -> None:
         moment = time.monotonic()
         if not (self.live or now or moment - self.last_s > PROGRESS_LINE_INTERVAL_S):
             return
         self.last_s = moment
         left = self.timing.remaining_s(moment)
         ends = f"  about {duration_text(left)} left" if left is not None else ""
-        head = f"[{self.timing.done}/{self.timing.total}]"
+        head = f"[{self.timing.finished_job_count}/{self.timing.total_job_count}]"
         text = f"{head} {name}{self._last_log_line()}{ends}".rstrip()
         self.stream.write(f"\r\x1b[K{text}" if self.live else text + "\n")
         self.stream.flush()
@@ -207,7 +207,7 @@ class SnakemakeProgressHandler(logging.Handler):
                     continue  # of an earlier run
                 words = [line for line in path.read_text("utf-8", "replace").split("\n") if line]
                 if words:
-                    return f": {escape_control_characters(words[-1])[:MAX_WORD_CHARACTERS]}"
+                    return f": {escape_control_characters(words[-1])[:MAX_LOG_LINE_CHARACTERS]}"
         return ""
 
     def _report_failed_job(self, found: dict[str, Any]) -> None:
@@ -218,7 +218,7 @@ class SnakemakeProgressHandler(logging.Handler):
         lines = [line for line in text.splitlines() if line.strip()]
         if _is_user_interrupt("\n".join(lines[-12:])):
             # caught by a library on the way, so that the stage ended with a status of its own
-            self._interrupted()
+            self._report_interruption()
             return
         shown = lines if found["rule_name"] == "outcome" else lines[-12:]
         if shown:
@@ -232,7 +232,7 @@ class SnakemakeProgressHandler(logging.Handler):
         self.stream.write(("\r\x1b[K" if self.live else "") + text + "\n")
         self.stream.flush()
 
-    def farewell(self) -> None:
+    def print_final_summary(self) -> None:
         """Warnings, the verdict and the report, where there are any; nothing more is shown, and
         nothing of this after an interruption.
         """
@@ -242,7 +242,7 @@ class SnakemakeProgressHandler(logging.Handler):
         if self.stopped:
             return  # what stands in the results is of an earlier run
         for name in ("outcome.json", "mismatch.json"):
-            for text in _warnings_of(self.report.with_name(name)):
+            for text in _warnings_in_result_file(self.report.with_name(name)):
                 self._print(f"Warning: {text}")
         if text := _verdict_sentence(self.report.with_name("mismatch.json")):
             self._print(f"Verdict: {text}")
@@ -250,7 +250,7 @@ class SnakemakeProgressHandler(logging.Handler):
             self._print(f"Report: {self.report}")
 
 
-def _warnings_of(result: Path) -> list[str]:
+def _warnings_in_result_file(result: Path) -> list[str]:
     """Warnings in a result, of the trials or of the search; none where there is no such file."""
     return list(read_json(result).get("warnings", [])) if result.is_file() else []
 

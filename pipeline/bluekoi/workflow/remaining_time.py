@@ -10,14 +10,14 @@ from pathlib import Path
 
 OVERDUE_FACTOR = 1.2
 """A single job that takes this many times its expected time leaves the rest unknown."""
-MIN_DONE_SHARE_OF_FIRST_RUN = 0.1
+MIN_DONE_SHARE_FOR_FIRST_ESTIMATE = 0.1
 """ASSUME share of the jobs that must be done before a run without an earlier one estimates its
 time. The first jobs of a new installation compile: one of the demo's 112 jobs alone gave 18 min
 for 5."""
 
 
 @dataclass
-class Timing:
+class RemainingTimeEstimator:
     """Jobs expected, running and done, by rule; times in s on one monotonic clock.
 
     usual_s: what a job of a rule took an earlier run; stands in until one is done in this.
@@ -29,7 +29,7 @@ class Timing:
     taken_s: dict[str, list[float]] = field(default_factory=dict)
     began_s: float = math.nan
 
-    def expect(self, stats: Mapping[str, int]) -> None:
+    def set_expected_jobs(self, stats: Mapping[str, int]) -> None:
         """Take the number of jobs of each rule; rules without work of their own do not count."""
         self.waiting = {rule: n for rule, n in stats.items() if rule not in ("total", "all")}
 
@@ -48,16 +48,16 @@ class Timing:
         return rule
 
     @property
-    def done(self) -> int:
+    def finished_job_count(self) -> int:
         """How many jobs are done."""
         return sum(len(times) for times in self.taken_s.values())
 
     @property
-    def total(self) -> int:
+    def total_job_count(self) -> int:
         """How many jobs the run has."""
-        return self.done + len(self.started) + sum(self.waiting.values())
+        return self.finished_job_count + len(self.started) + sum(self.waiting.values())
 
-    def running(self) -> str:
+    def running_rule_names(self) -> str:
         """Names of the rules at work."""
         return ", ".join(dict.fromkeys(rule for rule, _ in self.started.values()))
 
@@ -66,24 +66,27 @@ class Timing:
 
         None also where the only job of a rule takes longer than ever before.
         """
-        too_early = not self.usual_s and self.done < MIN_DONE_SHARE_OF_FIRST_RUN * self.total
-        if self.done in (0, self.total) or too_early:
+        too_early = (
+            not self.usual_s
+            and self.finished_job_count < MIN_DONE_SHARE_FOR_FIRST_ESTIMATE * self.total_job_count
+        )
+        if self.finished_job_count in (0, self.total_job_count) or too_early:
             return None
         done_s = sum(sum(times) for times in self.taken_s.values())
         since = [(rule, now_s - start) for rule, start in self.started.values()]
         if any(self._overdue(rule, spent) for rule, spent in since):
             return None
         pace = (done_s + sum(s for _, s in since)) / max(now_s - self.began_s, 1e-9)
-        left = sum(n * self._typical(rule) for rule, n in self.waiting.items())
-        left += sum(max(self._typical(rule) - spent, 0.0) for rule, spent in since)
+        left = sum(n * self._expected_job_s(rule) for rule, n in self.waiting.items())
+        left += sum(max(self._expected_job_s(rule) - spent, 0.0) for rule, spent in since)
         return left / max(pace, 1e-9)
 
     def _overdue(self, rule: str, spent_s: float) -> bool:
         """Whether the only job of a rule runs longer than expected."""
         alone = not self.waiting.get(rule) and rule not in self.taken_s
-        return alone and spent_s > OVERDUE_FACTOR * self._typical(rule)
+        return alone and spent_s > OVERDUE_FACTOR * self._expected_job_s(rule)
 
-    def _typical(self, rule: str) -> float:
+    def _expected_job_s(self, rule: str) -> float:
         """Mean of the jobs done; else what is usual at this run's pace; else the mean of all."""
         if times := self.taken_s.get(rule):
             return sum(times) / len(times)

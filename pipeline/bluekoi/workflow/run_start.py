@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, escape_control_characters
-from ..stages.manifest import RUN_ENVIRONMENT_VARIABLE, record_file_states
-from .forkserver_client import COMMAND_ENVIRONMENT_VARIABLE
+from ..stages.manifest import RUN_ENVIRONMENT_VARIABLE, record_file_sizes_and_times
+from .forkserver_client import USER_COMMAND_VARIABLE
 from .lock import acquire_lock, remove_stale_locks, remove_temporary_files
-from .plan import Plan, make_plan
+from .plan import RunPlan, make_plan
 from .provenance import PACKAGE_FOLDER, source_fingerprint
 from .settings import check_settings
 from .stage_inputs import (
@@ -26,7 +26,7 @@ from .stage_inputs import (
 )
 
 
-def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
+def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> RunPlan:
     """Plan of the run that Snakemake is about to make; ends it with a message on an input error.
 
     A run holds its results folder, removes the locks and half-written files that a killed run left,
@@ -44,21 +44,21 @@ def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
         sys.stderr.write(escape_control_characters(str(error)) + "\n")
         sys.exit(1)
     if dry:
-        for stage, names in plan.due.items():
+        for stage, names in plan.due_trials_by_stage.items():
             if names:
                 sys.stderr.write(f"{stage} is due for {len(names)}: {', '.join(sorted(names))}\n")
         if stages := outdated_stages(plan, stage_input_hashes(plan)):
             sys.stderr.write(f"Made from other inputs or by another version: {', '.join(stages)}\n")
         return plan
-    command = os.environ.get(COMMAND_ENVIRONMENT_VARIABLE) or shlex.join(sys.argv)
+    command = os.environ.get(USER_COMMAND_VARIABLE) or shlex.join(sys.argv)
     run = {"command": command, "settings": dict(config), "code": source_fingerprint("stages")}
     os.environ[RUN_ENVIRONMENT_VARIABLE] = json.dumps(run)
     if not (plan.results / "manifest.json").is_file():
         (plan.results / "outcome.json").unlink(missing_ok=True)  # the stage that writes both
     remove_stale_locks(Path(".snakemake") / "locks", plan.results)
     remove_temporary_files(plan.results)
-    record_file_states(plan.study, plan.results, made_by_run=plan.is_demo)
-    plan.remove_due_markers()
+    record_file_sizes_and_times(plan.study, plan.results, made_by_run=plan.is_demo)
+    plan.remove_due_marker_files()
     remove_outdated_results(plan)
     remove_results_of_other_trials(plan)
     return plan
@@ -74,7 +74,7 @@ def shell_prefix(workflow: Any) -> str:
     return f'export PATH={shlex.quote(str(Path(sys.executable).parent))}:"$PATH"; '
 
 
-def without_rate_limit(workflow: Any) -> None:
+def remove_job_rate_limit(workflow: Any) -> None:
     """Takes the limit of jobs a second off a run on this machine, where it limits nothing.
 
     While jobs wait, each look for the next one sets a timer for another look, and so does each job

@@ -20,13 +20,13 @@ def check_settings(config: Mapping[str, Any], schema_path: Path) -> dict[str, An
     schema = yaml.safe_load(schema_path.read_text(encoding="utf-8"))
     content = dict(config)
     errors = Draft202012Validator(schema).iter_errors(content)
-    findings = [finding for error in errors for finding in _findings(error)]
+    findings = [finding for error in errors for finding in _issues_of_validation_error(error)]
     if findings:
         raise InputError(findings)
     return content
 
 
-def _findings(error: ValidationError) -> Iterator[InputIssue]:
+def _issues_of_validation_error(error: ValidationError) -> Iterator[InputIssue]:
     place = ".".join(map(str, error.absolute_path))
     if error.validator == "additionalProperties":
         known = list(error.schema["properties"])

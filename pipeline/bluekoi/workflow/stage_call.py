@@ -20,8 +20,8 @@ from typing import Any, NoReturn
 
 from ..errors import InputError, escape_control_characters
 from ..files import write_json, write_text
-from ..stages.freshness import is_fresh, status_file, trial_inputs_hash
-from ..stages.layout import ResultPaths
+from ..stages.freshness import is_fresh, status_file_path, trial_inputs_hash
+from ..stages.result_paths import ResultPaths
 from ..study import load_study
 
 StageFunction = Callable[..., list[str] | None]
@@ -63,12 +63,12 @@ def run_stage(words: Sequence[str]) -> int:
     function = getattr(import_module(f"bluekoi.stages.{options.name}"), options.name)
     try:
         code = (
-            run_trials(function, options)
+            run_stage_for_due_trials(function, options)
             if options.trials
             else _call_with_accepted_options(function, options)
         )
         if code in (0, EXIT_SOME_TRIALS_FAILED):
-            _write_usage(options, time.monotonic() - start_s)
+            _write_resource_usage(options, time.monotonic() - start_s)
     except InputError as error:
         sys.stderr.write(escape_control_characters(str(error)) + "\n")
         return 1
@@ -84,7 +84,7 @@ def _call_with_accepted_options(
     return EXIT_SOME_TRIALS_FAILED if lines else 0
 
 
-def run_trials(function: StageFunction, options: argparse.Namespace) -> int:
+def run_stage_for_due_trials(function: StageFunction, options: argparse.Namespace) -> int:
     """Run a stage for each trial that is out of date; the greatest exit code is returned.
 
     Of several trials each has a fork of this process, so that one whose process is killed costs the
@@ -101,7 +101,7 @@ def run_trials(function: StageFunction, options: argparse.Namespace) -> int:
         inputs = ""
         if options.code:
             inputs = trial_inputs_hash(options.name, study, study.trial(name), layout, options.code)
-            if is_fresh(status_file(options.name, layout, name), options.results, inputs):
+            if is_fresh(status_file_path(options.name, layout, name), options.results, inputs):
                 continue
         stage_logger.info("%s (%d of %d)", name, number, len(options.trials))
         codes.append(run(function, options, trial_id=name, inputs=inputs))
@@ -119,12 +119,12 @@ def _can_fork_safely() -> bool:
 
 def _run_in_fork(function: StageFunction, options: argparse.Namespace, **more: Any) -> int:
     if not (pid := os.fork()):
-        exit_with_code_of(lambda: _call_with_accepted_options(function, options, **more))
+        exit_fork_with_code_of(lambda: _call_with_accepted_options(function, options, **more))
     code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
     return code if code >= 0 else 128 - code
 
 
-def exit_with_code_of(work: Callable[[], int]) -> NoReturn:
+def exit_fork_with_code_of(work: Callable[[], int]) -> NoReturn:
     """End this process, a fork, with the exit code that `work` returns."""
     code = 1
     try:
@@ -151,7 +151,7 @@ def terminate_with_parent() -> None:
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def _write_usage(options: argparse.Namespace, wall_s: float) -> None:
+def _write_resource_usage(options: argparse.Namespace, wall_s: float) -> None:
     """Write benchmarks/STAGE.tsv or benchmarks/STAGE/NAME.tsv: time and memory of this process."""
     own, jobs = (
         resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from bluekoi.synthetic.laws import Recoil, Robot
+from bluekoi.synthetic.ground_truth_physics import Recoil, Robot
 from validation.generators.concealed.effects import PHYSICS, UNLISTED, Effect, Form
 from validation.generators.concealed.faults import FAULTS
 from validation.generators.concealed.robots import draw_body, draw_fin, draw_recoil, draw_robot

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bluekoi.synthetic.laws import Recoil, Robot
+from bluekoi.synthetic.ground_truth_physics import Recoil, Robot
 from validation.generators.concealed.swimmer.inputs import BodyParameters, HiddenLaws
 
 __all__ = ["draw_body", "draw_fin", "draw_recoil", "draw_robot"]

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bluekoi.synthetic.body import body_point_positions
-from bluekoi.synthetic.design import StudyDesign, TrialPlan
 from bluekoi.synthetic.eddies import random_eddies
 from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
-from bluekoi.synthetic.laws import GroundTruthPhysics, TrialSettings
+from bluekoi.synthetic.ground_truth_physics import GroundTruthPhysics, TrialSettings
+from bluekoi.synthetic.motion_simulation import TrialMotion
 from bluekoi.synthetic.optics import gopro_like_camera
 from bluekoi.synthetic.picture_conditions import MIDDLE_PICTURE_CONDITIONS
-from bluekoi.synthetic.tank import TrialMotion
+from bluekoi.synthetic.synthetic_study_design import StudyDesign, TrialPlan
 from bluekoi.synthetic.trial import (
     SolvedTrial,
     keypoint_pixels,
@@ -100,7 +100,9 @@ def _open_water_path(
         recipe.body, still, command, plan.longest_s, eddies=NO_EDDIES, recoil=recipe.recoil
     )
     time_s = np.arange(0, plan.longest_s + 1e-9, CHECK_STEP_S)
-    return body_point_positions(design.tank.robot, plan.head_length_m, motion.pose(time_s))
+    return body_point_positions(
+        design.tank.robot, plan.head_length_m, motion.pose_with_recoil(time_s)
+    )
 
 
 def simulate_trial(
@@ -156,7 +158,7 @@ def observed_pixels(
 ) -> np.ndarray:
     """Pixels `(frames, 5, 2)` where the keypoints truly appear, faults of seeing included."""
     trial = one.trial
-    pose = trial.motion.pose(trial.time_s)
+    pose = trial.motion.pose_with_recoil(trial.time_s)
     points = body_point_positions(trial.tank.robot, trial.plan.head_length_m, pose)
     if recipe.fault is not None and recipe.fault[0] == "keypoint_bias":
         points[:, 2] += 1j * np.exp(1j * pose[:, 2]) * recipe.fault[1]

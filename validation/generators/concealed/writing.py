@@ -7,11 +7,11 @@ from typing import Any
 import yaml
 
 from bluekoi.files import write_text
-from bluekoi.synthetic.campaign import study_contents, write_study_files
-from bluekoi.synthetic.design import StudyDesign
 from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ, write_video
 from bluekoi.synthetic.footage import render_frames
 from bluekoi.synthetic.motor_log import motor_angles, write_motor_log
+from bluekoi.synthetic.study_rendering import study_yaml_content, write_study_files
+from bluekoi.synthetic.synthetic_study_design import StudyDesign
 from bluekoi.synthetic.trial import trial_rng
 from validation.generators.concealed.effects import PHYSICS
 from validation.generators.concealed.faults import with_wrong_statement
@@ -116,7 +116,7 @@ def _write_tables(recipe: Recipe, design: StudyDesign, folder: Path) -> None:
     fps = None if recipe.footage and not wrong else rate
     write_study_files(design, folder, source=source, fps=fps)
     fault, size = recipe.fault or ("", 0.0)
-    contents = with_wrong_statement(study_contents(design), fault, size)
+    contents = with_wrong_statement(study_yaml_content(design), fault, size)
     write_text(folder / "study.yaml", yaml.safe_dump(contents, sort_keys=False))
 
 

@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 from ...campaign import Campaign
 from ...data import Float
 from ...study import Trial
-from .groups import angles_deg, head_length_label, head_lengths, turning_trials
-from .style import Style, placeholder
+from .groups import distinct_abs_head_angles_deg, head_length_label, head_lengths, turning_trials
+from .style import PowerStyle, placeholder
 
 LINE_STYLES = ("-", "--", ":", "-.")
 
@@ -26,7 +26,7 @@ def head_angle_with_most_lengths_deg(campaign: Campaign) -> float:
     def heads(angle: float) -> int:
         return len({t.head_length_m for t in found if abs(t.head_angle_deg) == angle})
 
-    return max(angles_deg(found), key=lambda angle: (heads(angle), angle))
+    return max(distinct_abs_head_angles_deg(found), key=lambda angle: (heads(angle), angle))
 
 
 def circle_points(radius_m: float) -> Float:
@@ -53,7 +53,7 @@ def draw_turns(
     axes: Axes,
     campaign: Campaign,
     trials: Sequence[Trial],
-    styles: dict[float, Style],
+    styles: dict[float, PowerStyle],
     *,
     vary: str,
 ) -> None:
@@ -64,7 +64,7 @@ def draw_turns(
     lines = _dash_patterns(campaign, trials, vary)
     for trial in trials:
         colour = styles[trial.power_pct].colour
-        dash = lines[_condition_key(trial, vary)][0]
+        dash = lines[_varied_head_angle_or_length(trial, vary)][0]
         ring = circle_points(campaign.steady[trial.trial_id].radius_m)
         axes.plot(*ring.T, color=colour, ls=dash, lw=0.7, alpha=0.75)
         axes.plot(*measured_arc(campaign, trial).T, color=colour, lw=2, gid=trial.trial_id)
@@ -81,7 +81,7 @@ def equal_axes(axes: Axes) -> None:
     axes.set_ylabel("y - centre (m)")
 
 
-def _condition_key(trial: Trial, vary: str) -> float:
+def _varied_head_angle_or_length(trial: Trial, vary: str) -> float:
     return abs(trial.head_angle_deg) if vary == "angle" else trial.head_length_m
 
 
@@ -90,6 +90,6 @@ def _dash_patterns(
 ) -> dict[float, tuple[str, str]]:
     """Dash pattern and label of each head angle or head length."""
     trials = list(trials)
-    values = angles_deg(trials) if vary == "angle" else head_lengths(campaign)
+    values = distinct_abs_head_angles_deg(trials) if vary == "angle" else head_lengths(campaign)
     labels = [f"{v:g}°" if vary == "angle" else head_length_label(campaign, v) for v in values]
     return {v: (LINE_STYLES[i % 4], w) for i, (v, w) in enumerate(zip(values, labels, strict=True))}

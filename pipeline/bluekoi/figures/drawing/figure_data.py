@@ -21,7 +21,7 @@ NumberOrCategory = float | str
 """A value, or the name of a category."""
 
 
-class Point(NamedTuple):
+class DrawnPoint(NamedTuple):
     """One drawn point.
 
     kind: line, dashed line, points, band (low to high) or bar; value: colour of a point. trial_id:
@@ -45,7 +45,7 @@ class Point(NamedTuple):
     value: NumberOrCategory = ""
 
 
-def extract_points(figure: Figure) -> list[Point]:
+def extract_points(figure: Figure) -> list[DrawnPoint]:
     """All data points of a figure in drawing order; colour bars and annotations are skipped."""
     names = {
         _line_colour_and_style(handle): str(handle.get_label())
@@ -58,7 +58,7 @@ def extract_points(figure: Figure) -> list[Point]:
     return [point for i, axes in enumerate(panels) for point in _points_of_panel(i, axes, names)]
 
 
-def _points_of_panel(number: int, axes: Axes, names: dict[Any, str]) -> Iterator[Point]:
+def _points_of_panel(number: int, axes: Axes, names: dict[Any, str]) -> Iterator[DrawnPoint]:
     x_label = _axis_label(axes, axes.get_shared_x_axes().get_siblings(axes), "get_xlabel")
     y_label = _axis_label(axes, axes.get_shared_y_axes().get_siblings(axes), "get_ylabel")
     head = (number, axes.get_title(), x_label, y_label, axes.get_aspect() == 1.0)
@@ -80,7 +80,7 @@ def _points_of_panel(number: int, axes: Axes, names: dict[Any, str]) -> Iterator
     for artist, (kind, series, trial_id, colour, rows) in enumerate(found):
         name = "" if series.startswith("_") else series
         for row in rows:
-            yield Point(
+            yield DrawnPoint(
                 *head, kind, name, trial_id, colour, artist, *map(_round_to_five_digits, row)
             )
 

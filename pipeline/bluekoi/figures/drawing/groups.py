@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from ...campaign import Campaign
 from ...data import SteadyState
 from ...study import Trial
-from ...tuning.paper_steps import is_straight
-from .style import Style
+from ...tuning.paper_steps import has_straight_head
+from .style import PowerStyle
 
-TRUSTED_QUALITIES = ("good", "straight")
+TRUSTED_STEADY_STATE_QUALITIES = ("good", "straight")
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def has_standard_head(campaign: Campaign, trial: Trial) -> bool:
 
 def straight_trials(campaign: Campaign) -> tuple[Trial, ...]:
     """Analysed trials with a straight head."""
-    return tuple(trial for trial in campaign.analysed if is_straight(trial))
+    return tuple(trial for trial in campaign.analysed if has_straight_head(trial))
 
 
 def turning_trials(campaign: Campaign) -> tuple[Trial, ...]:
@@ -65,11 +65,11 @@ def turning_trials(campaign: Campaign) -> tuple[Trial, ...]:
     return tuple(
         trial
         for trial in campaign.analysed
-        if not is_straight(trial) and np.isfinite(campaign.steady[trial.trial_id].radius_m)
+        if not has_straight_head(trial) and np.isfinite(campaign.steady[trial.trial_id].radius_m)
     )
 
 
-def angles_deg(trials: Iterable[Trial]) -> tuple[float, ...]:
+def distinct_abs_head_angles_deg(trials: Iterable[Trial]) -> tuple[float, ...]:
     """Absolute head angles, ascending, degrees."""
     return tuple(sorted({abs(trial.head_angle_deg) for trial in trials}))
 
@@ -111,7 +111,7 @@ def _condition_mean(
     read: Callable[[SteadyState], tuple[float, float]],
 ) -> ConditionMean | None:
     finite = [row for row in rows if np.isfinite(read(row)[0])]
-    trusted = [row for row in finite if row.quality in TRUSTED_QUALITIES]
+    trusted = [row for row in finite if row.quality in TRUSTED_STEADY_STATE_QUALITIES]
     kept = trusted or finite
     if not kept:
         return None
@@ -121,7 +121,7 @@ def _condition_mean(
 
 
 def draw_mean(
-    axes: Axes, x: float, mean: ConditionMean, style: Style, *, size: float = 5.5
+    axes: Axes, x: float, mean: ConditionMean, style: PowerStyle, *, size: float = 5.5
 ) -> None:
     """A mean with its standard deviation; hollow if it is not trusted."""
     edge = {"mec": "white", "mew": 0.8} if mean.trusted else {"mfc": "white"}

@@ -40,7 +40,7 @@ VARIABLE_LABELS = {
 """Variable -> label of its axis."""
 DERIVATIVE_STEP_S = 1e-6
 """Interval over which the model's accelerations are taken."""
-STEPS_PER_FRAME = 4
+EFFECT_STATE_STEPS_PER_FRAME = 4
 """Steps of an effect's own states between frames; the motion is the measured one at each."""
 
 
@@ -116,10 +116,10 @@ def force_of_effects(campaign: Campaign, one: MissingForceSeries) -> Float:
     power = f"{campaign.study.trial(one.trial_id).power_pct:g}"
     system = robot_system(campaign.study.setup.robot)
     models = [
-        _identified_parameters(system, _without_effects(fitted), power),
-        _identified_parameters(system, fitted, power),
+        _parameter_vector_of_fit(system, _without_effects(fitted), power),
+        _parameter_vector_of_fit(system, fitted, power),
     ]
-    before, after = _recorded_rates(campaign, one, models)
+    before, after = _accelerations_of_two_models(campaign, one, models)
     robot = campaign.study.setup.robot
     inertia = np.array([robot.mass_kg, robot.mass_kg, robot.yaw_inertia_kg_m2])
     return np.asarray(1000 * inertia * (after - before))
@@ -150,7 +150,7 @@ def _missing_force(name: str, entry: Mapping[str, Any], track: Track) -> Missing
     )
 
 
-def _identified_parameters(
+def _parameter_vector_of_fit(
     system: System, fitted: Mapping[str, Mapping[str, float]], power: str
 ) -> Float:
     """Full parameter vector of a fit; `C_Da@75` applies to trials at 75 % power."""
@@ -163,10 +163,10 @@ def _identified_parameters(
         effect, _, parameter = name.rpartition(".")
         target = effects.setdefault(effect, {}) if effect else coefficients
         target[parameter] = float(cell["value"])
-    return np.asarray(system.values(coefficients, effects))
+    return np.asarray(system.parameter_vector(coefficients, effects))
 
 
-def _recorded_rates(
+def _accelerations_of_two_models(
     campaign: Campaign, one: MissingForceSeries, models: list[Float]
 ) -> tuple[Float, Float]:
     """Derivatives of surge, sway and yaw rate of two models in the measured motion, (n, 3) each.
@@ -201,13 +201,15 @@ def _recorded_rates(
         )
         return np.asarray(states[:, 1])
 
-    _, effects = kernel.system.named_values(models[1])
+    _, effects = kernel.system.unpack_parameter_vector(models[1])
     names = [name for effect in effects for name in kernel.system.effect(effect).states]
     own = [kernel.system.all_states.index(name) for name in names]
     for i in range(n - 1 if own else 0):
-        seconds = (one.motion[i + 1 : i + 2, 6:] - one.motion[i : i + 1, 6:]) / STEPS_PER_FRAME
+        seconds = (
+            one.motion[i + 1 : i + 2, 6:] - one.motion[i : i + 1, 6:]
+        ) / EFFECT_STATE_STEPS_PER_FRAME
         at_frame = state[i, own]
-        for _ in range(STEPS_PER_FRAME):
+        for _ in range(EFFECT_STATE_STEPS_PER_FRAME):
             state[i, own] = states_after(slice(i, i + 1), seconds)[0, own]
         state[i, own], state[i + 1, own] = at_frame, state[i, own]
     after = states_after(slice(None), np.full((n, 1), DERIVATIVE_STEP_S))

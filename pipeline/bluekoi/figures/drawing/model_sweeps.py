@@ -17,7 +17,7 @@ from ...model import Simulation, constants_of_robot_trial, simulate, two_plate_s
 
 BAND_DRAWS, MIN_BAND_DRAWS = LANES - 1, 5
 """Draws of the coefficients from which a band is made, and the fewest that must be finite."""
-EXTENDED_POWERS_PCT = (50.0, 75.0, 100.0, 125.0, 150.0)
+EXTRAPOLATED_POWERS_PCT = (50.0, 75.0, 100.0, 125.0, 150.0)
 """Powers to which the paper extends its simulations, %."""
 EXTRAPOLATED_COEFFICIENTS = ("C_Md", "C_Da")
 """Coefficients that the paper extrapolates linearly over power, as f; the others stay constant."""
@@ -39,7 +39,7 @@ class FitAtPower:
 
 
 @dataclass(frozen=True)
-class PredictionSweep:
+class PredictionWithBand:
     """Predictions along a sweep, (n,), with a 95 % band; the band is NaN without draws."""
 
     best: Float
@@ -50,11 +50,11 @@ class PredictionSweep:
 def fits_at_tested_powers(campaign: Campaign) -> dict[float, FitAtPower]:
     """Results of the paper's steps at each tested power; empty before the tuning."""
     steps = campaign.coefficients.get("paper_steps", {})
-    rows = [_fits_by_power(float(power), entry) for power, entry in steps.items()]
-    return {row.power_pct: row for row in sorted((r for r in rows if r), key=_power_of_fit)}
+    rows = [_fit_from_json_entry(float(power), entry) for power, entry in steps.items()]
+    return {row.power_pct: row for row in sorted((r for r in rows if r), key=_motor_power_sort_key)}
 
 
-def with_extrapolated_powers(campaign: Campaign) -> dict[float, FitAtPower]:
+def fits_at_tested_and_extrapolated_powers(campaign: Campaign) -> dict[float, FitAtPower]:
     """Tested powers, and 50 to 150 % with f, C_Md and C_Da extrapolated linearly over power.
 
     Least-squares lines through all tested powers; a single tested power is not extrapolated.
@@ -62,9 +62,9 @@ def with_extrapolated_powers(campaign: Campaign) -> dict[float, FitAtPower]:
     known = fits_at_tested_powers(campaign)
     if len(known) < 2:
         return known
-    added = [p for p in EXTENDED_POWERS_PCT if p not in known]
+    added = [p for p in EXTRAPOLATED_POWERS_PCT if p not in known]
     rows = [*known.values(), *(_extrapolated_fit(known, p) for p in added)]
-    return {row.power_pct: row for row in sorted(rows, key=_power_of_fit)}
+    return {row.power_pct: row for row in sorted(rows, key=_motor_power_sort_key)}
 
 
 def simulate_from_rest(
@@ -81,10 +81,10 @@ def simulate_from_rest(
     )
 
 
-def speed_from_rest(campaign: Campaign, row: FitAtPower, times: Float) -> PredictionSweep:
+def speed_from_rest(campaign: Campaign, row: FitAtPower, times: Float) -> PredictionWithBand:
     """Speed of a straight run from rest of the 1x head at times (n,), m/s."""
     head = campaign.study.setup.robot.head_length_m
-    lanes = _coefficient_values(row)[:LANES]
+    lanes = _best_and_drawn_parameter_vectors(row)[:LANES]
     short = LANES - len(lanes)
     values = np.vstack([lanes, np.repeat(lanes[:1], short, axis=0)]).T[None]
     fixed = repeat_over_lanes(constants_of_robot_trial(campaign.study.setup, head)[None])
@@ -94,7 +94,7 @@ def speed_from_rest(campaign: Campaign, row: FitAtPower, times: Float) -> Predic
         times=times[None], inputs=np.tile([0.0, row.flap_hz], (1, len(times), 1)),
         keep_states=True,
     )  # fmt: skip
-    return _with_band(np.hypot(states[0, :, 3], states[0, :, 4])[:, : len(lanes)])
+    return _best_with_95_pct_band(np.hypot(states[0, :, 3], states[0, :, 4])[:, : len(lanes)])
 
 
 def turn_radii(
@@ -102,14 +102,14 @@ def turn_radii(
     row: FitAtPower,
     head_lengths_m: Iterable[float],
     angles_deg: Iterable[float],
-) -> PredictionSweep:
+) -> PredictionWithBand:
     """Steady turn radii (m) at pairs of head length and angle; NaN without a steady turn."""
     conditions = [
         OperatingCondition(row.flap_hz, math.radians(angle), length, campaign.study.setup)
         for length, angle in zip(head_lengths_m, angles_deg, strict=True)
     ]
-    found = steady_states(conditions, _coefficient_values(row)).radius_m
-    return _with_band(np.where(np.isfinite(found), found, np.nan))
+    found = steady_states(conditions, _best_and_drawn_parameter_vectors(row)).radius_m
+    return _best_with_95_pct_band(np.where(np.isfinite(found), found, np.nan))
 
 
 def turn_radius(
@@ -121,7 +121,7 @@ def turn_radius(
 
 def turn_radii_over_head_angle(
     campaign: Campaign, row: FitAtPower, head_length_m: float, angles_deg: Iterable[float]
-) -> PredictionSweep:
+) -> PredictionWithBand:
     """Radii at head angles, m."""
     angles = list(angles_deg)
     return turn_radii(campaign, row, [head_length_m] * len(angles), angles)
@@ -129,20 +129,22 @@ def turn_radii_over_head_angle(
 
 def turn_radii_over_head_length(
     campaign: Campaign, row: FitAtPower, lengths_m: Iterable[float], angle_deg: float
-) -> PredictionSweep:
+) -> PredictionWithBand:
     """Radii at head lengths, m."""
     lengths = list(lengths_m)
     return turn_radii(campaign, row, lengths, [angle_deg] * len(lengths))
 
 
-def _coefficient_values(row: FitAtPower) -> Float:
+def _best_and_drawn_parameter_vectors(row: FitAtPower) -> Float:
     """Parameter vectors (1 + draws, parameters), the best estimate first."""
     count = len(next(iter(row.draws.values()), ()))
     drawn = [{name: float(v[k]) for name, v in row.draws.items()} for k in range(count)]
-    return np.array([two_plate_system().values(one) for one in (dict(row.coefficients), *drawn)])
+    return np.array(
+        [two_plate_system().parameter_vector(one) for one in (dict(row.coefficients), *drawn)]
+    )
 
 
-def _with_band(values: Float) -> PredictionSweep:
+def _best_with_95_pct_band(values: Float) -> PredictionWithBand:
     """Best estimate (first column), band of 1.96 standard deviations of the draws' logarithms."""
     best, rest = values[:, 0], values[:, 1:]
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -151,14 +153,14 @@ def _with_band(values: Float) -> PredictionSweep:
     spread = np.full(len(best), np.nan)
     if known.any():
         spread[known] = 1.96 * np.nanstd(logs[known], axis=1, ddof=1)
-    return PredictionSweep(best, best * np.exp(-spread), best * np.exp(spread))
+    return PredictionWithBand(best, best * np.exp(-spread), best * np.exp(spread))
 
 
-def _power_of_fit(row: FitAtPower) -> float:
+def _motor_power_sort_key(row: FitAtPower) -> float:
     return row.power_pct
 
 
-def _fits_by_power(power: float, entry: Mapping[str, object]) -> FitAtPower | None:
+def _fit_from_json_entry(power: float, entry: Mapping[str, object]) -> FitAtPower | None:
     cells = entry.get("coefficients")
     flap_hz = entry.get("flap_hz")
     if not isinstance(cells, Mapping) or not isinstance(flap_hz, (int, float)):

@@ -25,7 +25,7 @@ def draw_pool(axes: Axes, study: Study, *, labels: bool = True) -> None:
         axes.set_ylabel("y (m)")
 
 
-def draw_robots(axes: Axes, robot: Robot, head_length_m: float, track: Track) -> None:
+def draw_robot_along_track(axes: Axes, robot: Robot, head_length_m: float, track: Track) -> None:
     """The robot as two plates along a track, 1.25 body lengths apart."""
     apart = 1.25 * (robot.body_length_m + head_length_m - robot.head_length_m)
     distance_m = np.concatenate(

@@ -38,20 +38,20 @@ MEASURED_COLOUR, BEFORE_COLOUR, AFTER_COLOUR = "#20262e", "#D55E00", "#0072B2"
 DIVERGING_COLOURMAP = "RdBu_r"
 Z_95 = 1.96
 """Half width of a 95 % interval in standard deviations."""
-BASELINE_NAME = "baseline model (before)"
-EXTENDED_NAME = "with identified causes (after)"
-NOISE_FLOOR_NAME = "noise floor: error on simulated data"
+BASELINE_MODEL_LABEL = "baseline model (before)"
+EXTENDED_MODEL_LABEL = "with identified causes (after)"
+NOISE_FLOOR_LABEL = "noise floor: error on simulated data"
 
 
 @dataclass(frozen=True)
-class Style:
+class PowerStyle:
     """Colour and marker of one power."""
 
     colour: str
     marker: str
 
 
-def power_styles(powers: Iterable[float]) -> dict[float, Style]:
+def power_styles(powers: Iterable[float]) -> dict[float, PowerStyle]:
     """Colour and marker of each power, in the order given."""
     listed = list(powers)
     if len(listed) <= len(COLOURS):
@@ -59,7 +59,7 @@ def power_styles(powers: Iterable[float]) -> dict[float, Style]:
     else:
         colours = [to_hex(colormaps["cividis"](i / (len(listed) - 1))) for i in range(len(listed))]
     return {
-        power: Style(colours[i], PLOT_MARKERS[i % len(PLOT_MARKERS)])
+        power: PowerStyle(colours[i], PLOT_MARKERS[i % len(PLOT_MARKERS)])
         for i, power in enumerate(listed)
     }
 

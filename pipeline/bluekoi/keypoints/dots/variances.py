@@ -14,8 +14,8 @@ from ...data.keypoint_quality import is_confident
 from ..files.noise import frame_to_frame_noise_std_px
 
 RIGID_PARTS = ("head_tip", "hinge", "core_center", "tail_base")
-TREND_FRAMES = 31
-MIN_TREND_FRAMES = 20
+TREND_MEDIAN_FILTER_FRAMES = 31
+MIN_FRAMES_FOR_VARIANCE = 20
 MIN_STD_PX = 0.03
 OUTLIER_SIGMAS = 5.0
 HALF_DISC_CENTROID_RADII = 4 / (3 * math.pi)
@@ -26,9 +26,10 @@ def dot_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Floa
     """Usual variance (parts,) px^2 of each dot's coordinates, (frames, parts, 2).
 
     The distance of two dots on the robot, which holds its head angle, scatters by the sum of their
-    variances; what goes on for longer than TREND_FRAMES is perspective. Unlike differences from
-    frame to frame that sees noise that lasts for a few frames, as compression makes it. A dot on
-    the tail is as noisy as the others. Where too few distances are known: each dot's white noise.
+    variances; what goes on for longer than TREND_MEDIAN_FILTER_FRAMES is perspective. Unlike
+    differences from frame to frame that sees noise that lasts for a few frames, as compression
+    makes it. A dot on the tail is as noisy as the others. Where too few distances are known: each
+    dot's white noise.
     """
     xy = np.where(is_confident(likelihood)[..., None], xy_px, np.nan)
     rigid = [k for k, name in enumerate(names) if name in RIGID_PARTS]
@@ -56,9 +57,9 @@ def dot_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Floa
 def _variance_about_trend_px2(apart: Float) -> float:
     """Variance px^2 of a distance (frames, 2) about its trend, without gross errors."""
     length = np.hypot(*apart[np.isfinite(apart).all(axis=1)].T)
-    if len(length) < MIN_TREND_FRAMES:
+    if len(length) < MIN_FRAMES_FOR_VARIANCE:
         return math.nan
-    off = length - median_filter(length, TREND_FRAMES, mode="nearest")
+    off = length - median_filter(length, TREND_MEDIAN_FILTER_FRAMES, mode="nearest")
     limit = OUTLIER_SIGMAS * 1.4826 * float(np.median(np.abs(off)))
     return float(np.mean(off[np.abs(off) <= limit] ** 2))
 
@@ -71,7 +72,7 @@ def occlusion_variances(area_px2: Float, radius_px: Float) -> Float:
     """
     known = np.isfinite(area_px2)
     area = np.where(known, area_px2, np.nanmedian(area_px2) if known.any() else 1.0)
-    trend = median_filter(area, (TREND_FRAMES, 1), mode="nearest")
+    trend = median_filter(area, (TREND_MEDIAN_FILTER_FRAMES, 1), mode="nearest")
     lacking = np.abs(area / trend - 1.0)
     usual = MAX_AREA_DEVIATION_SIGMAS * 1.4826 * np.median(lacking, axis=0)
     off = (

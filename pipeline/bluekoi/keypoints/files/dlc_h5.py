@@ -15,7 +15,7 @@ import numpy as np
 from ...data import Float
 from ...errors import input_error
 from .pickle_literals import parse_literal
-from .safe_h5 import local_h5_member, open_h5, read_h5_strings
+from .safe_h5 import h5_member_without_links, open_h5, read_h5_strings
 from .table import Table, build_table, frame_numbers
 
 COORDINATES = ("x", "y", "likelihood")
@@ -31,7 +31,7 @@ def read_h5(path: Path) -> Table:
         group = _dataframe_group(file)
         if group is None:
             raise input_error(path, "", "no DataFrame in this h5", "DeepLabCut's df_with_missing")
-        fixed = local_h5_member(group, "table") is None
+        fixed = h5_member_without_links(group, "table") is None
         labels, values, index = _read_fixed_format(group) if fixed else _read_table_format(group)
     if len(values) == 0 or values.shape[1] != len(labels):
         raise input_error(path, "", "a file without a single frame", "a row a frame",
@@ -51,7 +51,7 @@ def _individual_part_coordinate(label: Sequence[str]) -> tuple[str, str, str]:
 def _dataframe_group(file: Any) -> Any:
     """The first group that pandas wrote, the usual name first."""
     for name in ("df_with_missing", *file.keys()):
-        group = local_h5_member(file, name)
+        group = h5_member_without_links(file, name)
         if group is not None and hasattr(group, "keys") and "pandas_type" in group.attrs:
             return group
     return None
@@ -62,7 +62,7 @@ def _read_fixed_format(group: Any) -> tuple[list[tuple[str, ...]], Float, list[s
     parts: list[Float] = []
     for number in range(int(group.attrs["nblocks"])):
         labels += _axis_labels(group, f"block{number}_items")
-        block = local_h5_member(group, f"block{number}_values")
+        block = h5_member_without_links(group, f"block{number}_values")
         if block.dtype.kind not in "fiu":
             raise ValueError("cells stored as pickled objects, which are not read")
         parts.append(np.asarray(block[()], dtype=float).reshape(block.shape[0], -1))
@@ -72,13 +72,13 @@ def _read_fixed_format(group: Any) -> tuple[list[tuple[str, ...]], Float, list[s
 
 def _axis_labels(group: Any, name: str) -> list[tuple[str, ...]]:
     """Entries of an axis, a tuple of its levels each."""
-    if local_h5_member(group, f"{name}_level0") is None:
-        return [(text,) for text in _as_strings(local_h5_member(group, name))]
+    if h5_member_without_links(group, f"{name}_level0") is None:
+        return [(text,) for text in _as_strings(h5_member_without_links(group, name))]
     levels = []
     count = int(group.attrs.get(f"{name}_nlevels", 1))
     for k in range(min(count, 6)):
-        known = _as_strings(local_h5_member(group, f"{name}_level{k}"))
-        codes = local_h5_member(group, f"{name}_label{k}")[()]
+        known = _as_strings(h5_member_without_links(group, f"{name}_level{k}"))
+        codes = h5_member_without_links(group, f"{name}_label{k}")[()]
         levels.append([known[int(code)] for code in codes])
     return list(zip(*levels, strict=True))
 
@@ -92,7 +92,7 @@ def _as_strings(dataset: Any) -> list[str]:
 
 
 def _read_table_format(group: Any) -> tuple[list[tuple[str, ...]], Float, list[str]]:
-    table = local_h5_member(group, "table")
+    table = h5_member_without_links(group, "table")
     rows = table[()]
     labels: list[tuple[str, ...]] = []
     parts: list[Float] = []

@@ -11,7 +11,7 @@ from ...data.keypoint_quality import is_confident
 
 DIFFERENCE_ORDERS = (6, 2, 4, 8, 10)
 MIN_STD_PX = 0.05
-UNKNOWN_STD_PX = 2.0
+FALLBACK_STD_PX = 2.0
 MIN_FRAMES = 12
 OUTLIER_SIGMAS = 6.0
 
@@ -28,7 +28,7 @@ def frame_to_frame_noise_std_px(xy_px: Float, likelihood: Float) -> float:
     found = [_white_noise_std_px(np.diff(good, n=k, axis=0), k) for k in DIFFERENCE_ORDERS]
     known = [value for value in found if np.isfinite(value)]
     if not known:
-        return UNKNOWN_STD_PX
+        return FALLBACK_STD_PX
     usual = found[0] if np.isfinite(found[0]) else known[0]
     least = min(known)
     return max(MIN_STD_PX, least if least < 0.8 * usual else usual)

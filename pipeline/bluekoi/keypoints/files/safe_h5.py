@@ -13,7 +13,7 @@ from ...errors import input_error
 from ...files import binary_format
 
 MAX_DATASET_ELEMENTS = 50_000_000
-TEXT_BYTES = 512
+TEXT_SNIFF_BYTES = 512
 """A file whose first bytes are all printable is text."""
 
 
@@ -23,7 +23,7 @@ def format_if_not_h5(path: Path) -> str:
     if kind:
         return "" if "HDF5" in kind else kind
     with path.open("rb") as content:
-        head = content.read(TEXT_BYTES)
+        head = content.read(TEXT_SNIFF_BYTES)
     printable = all(byte >= 0x20 or byte in b"\t\r\n" for byte in head)
     return "text, as in a csv file" if head and printable else ""
 
@@ -49,7 +49,7 @@ def open_h5(path: Path) -> Iterator[Any]:
         ) from error
 
 
-def local_h5_member(group: Any, name: str) -> Any:
+def h5_member_without_links(group: Any, name: str) -> Any:
     """Dataset or group `name` that truly lies in this file, None where there is none.
 
     Raises: ValueError for links out of the file, virtual or external storage, absurd sizes.

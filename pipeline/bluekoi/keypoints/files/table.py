@@ -23,17 +23,17 @@ from .noise import frame_to_frame_noise_std_px
 IndividualAndPart = tuple[str, str]
 MAX_COORDINATE_PX = 1e6
 MAX_LIKELIHOOD = 2.0  # scores of some networks reach a little over 1
-MIN_LIKELIHOOD_IN_FILE = 0.1
+UNSEEN_BELOW_LIKELIHOOD = 0.1
 """Likelihood below which a point of a file was not seen."""
-MAX_LEFT_OUT_SHARE = 0.1
+MAX_LOW_LIKELIHOOD_SHARE = 0.1
 """Share of the points left out for their low likelihood above which the trial carries a remark."""
-LEFT_OUT_REMARK = (
+LOW_LIKELIHOOD_POINTS_REMARK = (
     "{:.0f} % of the points are left out: their likelihood is from 0.1 to 0.6, while that of most "
     "points of the same part is higher"
 )
 MAX_GAP_FRAMES = 20_000
 """Frames that may be missing in one go: more than five minutes at 60 frames a second."""
-CORE_PLATE_KEYPOINTS = ("hinge", "core_center", "tail_base")
+RIGID_CORE_KEYPOINTS = ("hinge", "core_center", "tail_base")
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def build_table(
             likelihood[:, i] = values[:, place[(*column, "likelihood")]]
     _check_coordinate_size(path, xy, lines)
     _check_likelihood(path, likelihood, lines)
-    return Table(columns, frame, *_blank_unseen_points(xy, likelihood))
+    return Table(columns, frame, *_unseen_points_as_nan(xy, likelihood))
 
 
 def _row_location(k: int, lines: Sequence[int] | None) -> str:
@@ -117,7 +117,7 @@ def _check_likelihood(path: Path, likelihood: Float, lines: Sequence[int] | None
         )
 
 
-def _blank_unseen_points(xy: Float, likelihood: Float) -> tuple[Float, Float]:
+def _unseen_points_as_nan(xy: Float, likelihood: Float) -> tuple[Float, Float]:
     zero = np.all(xy == 0.0, axis=2)
     empty = zero & ((likelihood == 0.0) | (zero.sum(axis=0) > 1))
     seen = np.isfinite(xy).all(axis=2) & ~empty
@@ -179,7 +179,7 @@ def to_keypoints(
     fps: float,
     bodyparts: Mapping[str, str] | None = None,
     part_s: tuple[float | None, float | None] = (None, None),
-    min_likelihood: float = MIN_LIKELIHOOD_IN_FILE,
+    min_likelihood: float = UNSEEN_BELOW_LIKELIHOOD,
 ) -> Keypoints:
     """Keypoints of the robot in a table, under our names, times = frame / fps.
 
@@ -202,20 +202,22 @@ def to_keypoints(
     order = list(chosen.values())
     xy, likelihood = table.xy_px[inside][:, order], table.likelihood[inside][:, order]
     likelihood = np.where(
-        _uncertain_points(likelihood, min_likelihood), MIN_KEYPOINT_LIKELIHOOD, likelihood
+        _accepted_low_likelihood_points(likelihood, min_likelihood),
+        MIN_KEYPOINT_LIKELIHOOD,
+        likelihood,
     )
     variance = np.array(
         [frame_to_frame_noise_std_px(xy[:, i], likelihood[:, i]) ** 2 for i in range(len(order))]
     )
     cov = np.where(np.isfinite(xy[..., :1, None]), variance[:, None, None] * np.eye(2), np.nan)
     left_out = (likelihood >= min_likelihood) & ~is_confident(likelihood)
-    if left_out.sum() > MAX_LEFT_OUT_SHARE * left_out.size:
-        remarks = (*remarks, LEFT_OUT_REMARK.format(100 * left_out.mean()))
+    if left_out.sum() > MAX_LOW_LIKELIHOOD_SHARE * left_out.size:
+        remarks = (*remarks, LOW_LIKELIHOOD_POINTS_REMARK.format(100 * left_out.mean()))
     remarks = (*table.remarks, *remarks)
     return Keypoints(time_s[inside], tuple(chosen), xy, likelihood, cov, remarks)
 
 
-def _uncertain_points(likelihood: Float, min_likelihood: float) -> BoolNDArray:
+def _accepted_low_likelihood_points(likelihood: Float, min_likelihood: float) -> BoolNDArray:
     """Where points (frames, parts) count although they are not confident."""
     uncertain = (likelihood >= min_likelihood) & ~is_confident(likelihood)
     most = 2 * uncertain.sum(axis=0) > (likelihood >= min_likelihood).sum(axis=0)
@@ -247,11 +249,11 @@ def _column_index(table: Table, who: str, name: str) -> int | None:
 def _check_required_parts(
     path: Path, table: Table, chosen: Mapping[str, object], wanted: Mapping[str, str]
 ) -> None:
-    core = [part for part in CORE_PLATE_KEYPOINTS if part in chosen]
+    core = [part for part in RIGID_CORE_KEYPOINTS if part in chosen]
     if "head_tip" in chosen and len(core) >= 2:
         return
     names = sorted({part for _, part in table.columns})
-    missing = [wanted[part] for part in ("head_tip", *CORE_PLATE_KEYPOINTS) if part not in chosen]
+    missing = [wanted[part] for part in ("head_tip", *RIGID_CORE_KEYPOINTS) if part not in chosen]
     raise input_error(
         path,
         "bodyparts",

@@ -15,11 +15,11 @@ from ...numba_settings import njit
 from ..outline.background import LumaPicture, grey_level_quantiles, noise_level
 from ..outline.blob_detection import pool_mask
 from ..outline.plane import SwimmingPlaneMap
-from .midline_fit import BEND_TERMS, REFERENCE_ARC, Image32, bending_basis
+from .midline_fit import BEND_TERMS, REFERENCE_ARC, Float32Image, bending_basis
 
-RARE_FRAMES_SHARE = 0.1
+OUTER_GREY_LEVEL_QUANTILE = 0.1
 MIN_CHANGE_GREY_LEVELS, MIN_CHANGE_NOISE_STDS = 16.0, 5.0
-REDUCED_BODY_LENGTH_PX = 96.0
+BODY_LENGTH_AFTER_DOWNSAMPLING_PX = 96.0
 EXTENT_RANGE_LENGTHS, AREA_RANGE_SQUARE_LENGTHS = (0.45, 1.5), (0.02, 0.55)
 """Plausible extent of a body, in lengths, and share of its length's square that it fills."""
 MIDLINE_BIN_PX = 2.0
@@ -51,18 +51,18 @@ class BackgroundModel:
 
 
 @dataclass(frozen=True)
-class ReducedImage:
+class BackgroundDifferenceCrop:
     """A reduced part of a frame.
 
     change: background minus frame, times `sign` [grey levels]. depth: background minus body, times
     `sign` [grey levels]. place: (3,) reduction factor, left, top.
     """
 
-    change: Image32
-    depth: Image32
+    change: Float32Image
+    depth: Float32Image
     place: Float
 
-    def pixels(self, points: Float) -> Float:
+    def to_full_frame_pixels(self, points: Float) -> Float:
         """Pixels (n, 2) of the whole frame from pixels (n, 2) of the reduced part."""
         return (points + self.place[1:] + 0.5) * self.place[0] - 0.5
 
@@ -91,7 +91,7 @@ def background_model(
     and the quantile is the background.
     """
     least, low, usual, high, most = grey_level_quantiles(
-        samples, 0.0, RARE_FRAMES_SHARE, 0.5, 1 - RARE_FRAMES_SHARE, 1.0
+        samples, 0.0, OUTER_GREY_LEVEL_QUANTILE, 0.5, 1 - OUTER_GREY_LEVEL_QUANTILE, 1.0
     )
     noise = noise_level(samples, usual)
     level = max(MIN_CHANGE_GREY_LEVELS, MIN_CHANGE_NOISE_STDS * noise)
@@ -107,15 +107,15 @@ def background_model(
     contrast = float(np.percentile(strong, 90)) if len(strong) else 2 * level
     usual_grey = float(np.median(background[inside]))
     length_px = total_bl * plane.px_per_bl
-    factor = max(1, int(length_px / REDUCED_BODY_LENGTH_PX))
+    factor = max(1, int(length_px / BODY_LENGTH_AFTER_DOWNSAMPLING_PX))
     level = max(level, 0.25 * contrast)
     skin = usual_grey - sign * contrast
     return BackgroundModel(background, plane, sign, skin, level, noise, length_px, factor)
 
 
-def reduced_image(
+def background_difference_crop(
     luma: LumaPicture, arena: BackgroundModel, centre: Float | None = None, reach_px: float = 0.0
-) -> ReducedImage:
+) -> BackgroundDifferenceCrop:
     """Reduced part of a frame around a centre (2,) px, within `reach_px`; all of it by default."""
     height, width = luma.shape
     left, top, right, low = 0, 0, width, height
@@ -135,7 +135,7 @@ def reduced_image(
         change, depth = (
             cv2.resize(one[whole], size, interpolation=cv2.INTER_AREA) for one in (change, depth)
         )
-    return ReducedImage(change, depth, np.array([f, left / f, top / f]))
+    return BackgroundDifferenceCrop(change, depth, np.array([f, left / f, top / f]))
 
 
 def _clipped_pixel_range(middle: float, reach: float, size: int) -> tuple[int, int]:
@@ -143,7 +143,7 @@ def _clipped_pixel_range(middle: float, reach: float, size: int) -> tuple[int, i
     return first, int(min(max(middle + reach, first + 8), size))
 
 
-def find_blobs(picture: ReducedImage, arena: BackgroundModel) -> list[Blob]:
+def find_blobs(picture: BackgroundDifferenceCrop, arena: BackgroundModel) -> list[Blob]:
     """Blobs of a body's size and slenderness, those with the largest summed change first."""
     smooth = cv2.blur(picture.change, (3, 3))
     mask = ((smooth > arena.level) & (picture.depth > arena.level)).astype(np.uint8)
@@ -175,7 +175,10 @@ def find_blobs(picture: ReducedImage, arena: BackgroundModel) -> list[Blob]:
 
 
 def _blob_of_component(
-    own: npt.NDArray[np.bool_], change: Image32, corner: Float, picture: ReducedImage
+    own: npt.NDArray[np.bool_],
+    change: Float32Image,
+    corner: Float,
+    picture: BackgroundDifferenceCrop,
 ) -> Blob | None:
     """Midline of a connected component: centroids of its pixels at equal distance from one end."""
     away = geodesic_distances_from_end(np.pad(own, 1))[1:-1, 1:-1]
@@ -193,7 +196,7 @@ def _blob_of_component(
     half = len(line) // 2
     thicker = float(total[:half].sum() / total[-half:].sum())
     f = picture.place[0]
-    return Blob(picture.pixels(line + corner), length * f, float(own.sum()) * f * f,
+    return Blob(picture.to_full_frame_pixels(line + corner), length * f, float(own.sum()) * f * f,
                 float(weight.mean()), thicker)  # fmt: skip
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from ...data import Float, Frame, Keypoints
 from ...study import Robot, Trial
 from ..outline.plane import SwimmingPlaneMap
-from .blobs import BackgroundModel, background_model, find_blobs, reduced_image
+from .blobs import BackgroundModel, background_difference_crop, background_model, find_blobs
 from .learning import learn_template
 from .midline_fit import BendingTemplate, bending_basis
 from .to_keypoints import keypoint_arcs, keypoints_from_fits, total_length
@@ -20,7 +20,7 @@ SAMPLE_FRAMES = 25
 MIN_SUPPORT, MIN_LEARNING_FRAMES, MIN_FRAMES_SHARE = 0.9, 8, 0.8
 MIN_BEND_RAD, BEND_QUANTILE = 0.12, 0.75
 CORE_ARC_RANGE = (0.35, 0.7)
-SEVERAL_BODIES_FRAMES_SHARE = 0.2
+MIN_SHARE_OF_MULTI_BODY_FRAMES = 0.2
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class LearnedBody:
     several: bool
 
     @property
-    def bends(self) -> bool:
+    def is_core_bending(self) -> bool:
         """Whether the core, rigid in a robot of two plates, bends from picture to picture."""
         ends = bending_basis(np.array(CORE_ARC_RANGE))
         turn = self.poses[self.support > MIN_SUPPORT, 3:] @ (ends[1] - ends[0])
@@ -54,8 +54,10 @@ def learn_body(
     found = learn_template(images, arena)
     if found is None:
         return None
-    counts = np.array([len(find_blobs(reduced_image(image, arena), arena)) for image in images])
-    several = float(np.mean(counts > 1)) > SEVERAL_BODIES_FRAMES_SHARE
+    counts = np.array(
+        [len(find_blobs(background_difference_crop(image, arena), arena)) for image in images]
+    )
+    several = float(np.mean(counts > 1)) > MIN_SHARE_OF_MULTI_BODY_FRAMES
     return LearnedBody(arena, *found, several)
 
 

@@ -22,13 +22,13 @@ RECOVERY_FRAMES = 4
 
 def body_distance(one: BodyFitHistory, other: BodyFitHistory, shape: BendingTemplate) -> float:
     """Distance of two bodies in whole lengths."""
-    a, b = one.last(), other.last()
+    a, b = one.last_seen_pose(), other.last_seen_pose()
     if a is None or b is None:
         return math.inf
     return float(np.hypot(*(a - b)[:2])) / shape.length_bl
 
 
-def record_possible_exchange(
+def record_possible_identity_swap(
     target: BodyFitHistory, others: Sequence[BodyFitHistory], shape: BendingTemplate
 ) -> None:
     """Record the time from which the target may have been exchanged for another body.
@@ -86,7 +86,7 @@ def is_jump(one: MidlineFit, before: MidlineFit, shape: BendingTemplate) -> bool
 
 def _is_same_body(one: MidlineFit, body: BodyFitHistory, shape: BendingTemplate) -> bool:
     """Whether another body's midline lies on this one's."""
-    other = body.last()
+    other = body.last_seen_pose()
     if other is None:
         return False
     arc = np.linspace(0.1, 0.7, 5)

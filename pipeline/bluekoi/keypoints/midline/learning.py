@@ -11,16 +11,16 @@ from ...data import Float
 from ..outline.background import LumaPicture
 from ..outline.template import nan_median
 from .blobs import (
+    BackgroundDifferenceCrop,
     BackgroundModel,
     Blob,
-    ReducedImage,
+    background_difference_crop,
     candidate_poses,
     find_blobs,
     pose_from_midline,
-    reduced_image,
 )
 from .midline_fit import (
-    END_MARGIN,
+    ARC_MARGIN,
     STATIONS_ACROSS,
     STATIONS_ALONG,
     BendingTemplate,
@@ -32,8 +32,8 @@ from .midline_fit import (
 )
 
 LEARNING_ROUNDS = 4
-MAX_BODIES = 40
-LENGTH_RATIO_RANGE = (0.7, 1.3)
+MAX_TRAINING_BLOBS = 40
+TYPICAL_BLOB_LENGTH_RATIO_RANGE = (0.7, 1.3)
 MIN_LEARNING_SUPPORT_SHARE = 0.5
 TAIL_ARC_RANGE = (0.75, 0.9)
 
@@ -45,9 +45,13 @@ def learn_template(
 
     All similar bodies of a frame are used, as they have the same shape.
     """
-    seen = [(picture, blob) for luma in samples for picture in [reduced_image(luma, arena)]
-            for blob in find_blobs(picture, arena)]  # fmt: skip
-    seen = _typical_blobs(seen)[:MAX_BODIES]
+    seen = [
+        (picture, blob)
+        for luma in samples
+        for picture in [background_difference_crop(luma, arena)]
+        for blob in find_blobs(picture, arena)
+    ]
+    seen = _typical_blobs(seen)[:MAX_TRAINING_BLOBS]
     if len(seen) < 2:
         return None
     px_per_bl = arena.plane.px_per_bl
@@ -70,7 +74,7 @@ def learn_template(
 
 
 def _best_fit(
-    picture: ReducedImage,
+    picture: BackgroundDifferenceCrop,
     shape: BendingTemplate,
     arena: BackgroundModel,
     pose: Float,
@@ -91,8 +95,10 @@ def reversed_pose(pose: Float, shape: BendingTemplate) -> Float:
 
 
 def _rescale_to_body_ends(
-    shape: BendingTemplate, pairs: Sequence[tuple[ReducedImage, Float]], arena: BackgroundModel
-) -> tuple[BendingTemplate, list[tuple[ReducedImage, Float]]]:
+    shape: BendingTemplate,
+    pairs: Sequence[tuple[BackgroundDifferenceCrop, Float]],
+    arena: BackgroundModel,
+) -> tuple[BendingTemplate, list[tuple[BackgroundDifferenceCrop, Float]]]:
     """The shape with nose and tail tip at arcs 0 and 1, and the poses that go with it."""
     nose, tip = _nose_and_tail_arcs(shape.cover)
     length = shape.length_bl * (tip - nose)
@@ -102,7 +108,9 @@ def _rescale_to_body_ends(
     return _template_with_median_coverage(replace(shape, length_bl=length), renewed, arena), renewed
 
 
-def _typical_blobs(seen: list[tuple[ReducedImage, Blob]]) -> list[tuple[ReducedImage, Blob]]:
+def _typical_blobs(
+    seen: list[tuple[BackgroundDifferenceCrop, Blob]],
+) -> list[tuple[BackgroundDifferenceCrop, Blob]]:
     """Those of the usual length and thickness, spread over the pictures."""
     if not seen:
         return []
@@ -111,33 +119,39 @@ def _typical_blobs(seen: list[tuple[ReducedImage, Blob]]) -> list[tuple[ReducedI
     kept = [
         (p, b)
         for p, b in seen
-        if LENGTH_RATIO_RANGE[0] < b.length / length < LENGTH_RATIO_RANGE[1]
+        if TYPICAL_BLOB_LENGTH_RATIO_RANGE[0]
+        < b.length / length
+        < TYPICAL_BLOB_LENGTH_RATIO_RANGE[1]
         and 0.6 < b.area / area < 1.5
     ]
-    step = max(1, -(-len(kept) // MAX_BODIES))
+    step = max(1, -(-len(kept) // MAX_TRAINING_BLOBS))
     return kept[::step]
 
 
 def fit_to_image(
-    picture: ReducedImage, shape: BendingTemplate, arena: BackgroundModel, pose: Float
+    picture: BackgroundDifferenceCrop, shape: BendingTemplate, arena: BackgroundModel, pose: Float
 ) -> tuple[Float, Float, Float, Float]:
     """`fit_midline_pose` of a template to a reduced image."""
     plane = arena.plane
     seen = (picture.change, picture.depth, (plane.to_px, plane.scale_bl, picture.place))
     tolerance = max(3.0 * arena.noise, 0.3 * arena.median_contrast)
-    return fit_midline_pose(seen, shape.tables, shape.size, pose, tolerance)
+    return fit_midline_pose(
+        seen, shape.basis_coverage_and_slopes, shape.length_and_half_width, pose, tolerance
+    )
 
 
 def _template_with_median_coverage(
-    shape: BendingTemplate, fits: Sequence[tuple[ReducedImage, Float]], arena: BackgroundModel
+    shape: BendingTemplate,
+    fits: Sequence[tuple[BackgroundDifferenceCrop, Float]],
+    arena: BackgroundModel,
 ) -> BendingTemplate:
     """Shape whose coverage is the median over fits and both sides."""
-    bend, *_ = shape.tables
+    bend, *_ = shape.basis_coverage_and_slopes
     plane, covers = arena.plane, []
     for picture, pose in fits:
         seen = (picture.change, picture.depth, (plane.to_px, plane.scale_bl, picture.place))
-        line = station_positions(pose, shape.size, bend)
-        change, depth = straightened_image(seen, pose, line, shape.size)
+        line = station_positions(pose, shape.length_and_half_width, bend)
+        change, depth = straightened_image(seen, pose, line, shape.length_and_half_width)
         cover = np.where(depth > arena.level, change / np.maximum(depth, arena.level), np.nan)
         covers += [cover, cover[:, ::-1]]
     cover = np.nan_to_num(nan_median(np.array(covers)))
@@ -154,9 +168,9 @@ def _nose_and_tail_arcs(cover: Float) -> tuple[float, float]:
     tail = 0.5 * float(axis[(arc > TAIL_ARC_RANGE[0]) & (arc < TAIL_ARC_RANGE[1])].mean())
     front = int(np.argmax(axis > head))
     rear = STATIONS_ALONG - 1 - int(np.argmax(axis[::-1] > tail))
-    nose = _level_crossing_arc(arc, axis, front - 1, head) if front else -END_MARGIN
+    nose = _level_crossing_arc(arc, axis, front - 1, head) if front else -ARC_MARGIN
     tip = (
-        _level_crossing_arc(arc, axis, rear, tail) if rear < STATIONS_ALONG - 1 else 1 + END_MARGIN
+        _level_crossing_arc(arc, axis, rear, tail) if rear < STATIONS_ALONG - 1 else 1 + ARC_MARGIN
     )
     return nose, tip
 

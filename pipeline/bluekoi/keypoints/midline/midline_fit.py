@@ -22,18 +22,18 @@ from ..outline.edges import interpolate_bilinear as inner_bilinear
 from ..outline.plane import horner
 from ..outline.pose_fit import plane_to_pixel_jacobian
 
-Image32 = npt.NDArray[np.float32]
+Float32Image = npt.NDArray[np.float32]
 PlaneToPixelMap = tuple[Float, Float, Float]
 """Coefficients and scale of the plane's map to pixels; and the cut: factor, left, top."""
 BEND_TERMS = 5
 REFERENCE_ARC = 0.3
 STATIONS_ALONG, STATIONS_ACROSS = 56, 17
-END_MARGIN = 0.14
+ARC_MARGIN = 0.14
 MAX_ITERATIONS = 9
 CONVERGED_STEP, MAX_MOVE_BL, MAX_TURN_RAD = 0.002, 0.12, 0.4
-GAIN_RANGE = (0.6, 1.5)
+CONTRAST_GAIN_RANGE = (0.6, 1.5)
 MIN_SEEN_SHARE = 0.3
-NOSE_STATION = round(END_MARGIN / (1 + 2 * END_MARGIN) * (STATIONS_ALONG - 1))
+NOSE_STATION = round(ARC_MARGIN / (1 + 2 * ARC_MARGIN) * (STATIONS_ALONG - 1))
 BEND_PRIOR_INFORMATION_SHARE = 0.0002
 """Prior information of each bending coefficient, as a share of that of a body's heading."""
 
@@ -43,7 +43,7 @@ class BendingTemplate:
     """Learned coverage T of a bending body along and across its midline.
 
     length_bl: nose to tail tip, body lengths. cover: T (STATIONS_ALONG, STATIONS_ACROSS), arcs
-    -END_MARGIN to 1 + END_MARGIN, up to `half_bl` from the midline. skin: body's grey level.
+    -ARC_MARGIN to 1 + ARC_MARGIN, up to `half_bl` from the midline. skin: body's grey level.
     """
 
     length_bl: float
@@ -52,9 +52,9 @@ class BendingTemplate:
     skin: float
 
     @property
-    def tables(self) -> tuple[Float, Float, Float, Float]:
+    def basis_coverage_and_slopes(self) -> tuple[Float, Float, Float, Float]:
         """B (STATIONS_ALONG, BEND_TERMS); T; dT/ds and dT/dn, per body length."""
-        step = (1 + 2 * END_MARGIN) / (STATIONS_ALONG - 1) * self.length_bl
+        step = (1 + 2 * ARC_MARGIN) / (STATIONS_ALONG - 1) * self.length_bl
         across = 2 * self.half_bl / (STATIONS_ACROSS - 1)
         along_slope, across_slope = (
             np.asarray(slope) for slope in np.gradient(self.cover, -step, across)
@@ -62,14 +62,14 @@ class BendingTemplate:
         return bending_basis(station_arcs()), self.cover, along_slope, across_slope
 
     @property
-    def size(self) -> Float:
+    def length_and_half_width(self) -> Float:
         """Length and half width, body lengths (2,)."""
         return np.array([self.length_bl, self.half_bl])
 
 
 def station_arcs() -> Float:
     """Arcs (STATIONS_ALONG,) of the stations."""
-    return np.linspace(-END_MARGIN, 1 + END_MARGIN, STATIONS_ALONG)
+    return np.linspace(-ARC_MARGIN, 1 + ARC_MARGIN, STATIONS_ALONG)
 
 
 def bending_basis(arc: Float) -> Float:
@@ -81,7 +81,7 @@ def bending_basis(arc: Float) -> Float:
 
 def midline(pose: Float, length_bl: float, arc: Float) -> tuple[Float, Float]:
     """Places (n, 2) [body lengths] and headings (n,) of arcs along a pose's midline."""
-    fine = np.linspace(-END_MARGIN, 1 + END_MARGIN, 8 * STATIONS_ALONG)
+    fine = np.linspace(-ARC_MARGIN, 1 + ARC_MARGIN, 8 * STATIONS_ALONG)
     heading = pose[2] + bending_basis(fine) @ pose[3:]
     step = np.column_stack([np.cos(heading), np.sin(heading)]) * (fine[1] - fine[0]) * length_bl
     line = np.concatenate([np.zeros((1, 2)), -np.cumsum(0.5 * (step[1:] + step[:-1]), axis=0)])
@@ -93,8 +93,8 @@ def midline(pose: Float, length_bl: float, arc: Float) -> tuple[Float, Float]:
 def station_positions(pose: Float, size: Float, bend: Float) -> tuple[Float, Float, Float]:
     """Midline p (n, 2), headings theta (n,) and dp/db (n, BEND_TERMS, 2) of all stations."""
     n, joints = bend.shape
-    step = (1.0 + 2 * END_MARGIN) / (n - 1)
-    middle = (REFERENCE_ARC + END_MARGIN) / step
+    step = (1.0 + 2 * ARC_MARGIN) / (n - 1)
+    middle = (REFERENCE_ARC + ARC_MARGIN) / step
     first = int(middle)
     heading = np.empty(n)
     for k in range(n):
@@ -126,7 +126,7 @@ def station_positions(pose: Float, size: Float, bend: Float) -> tuple[Float, Flo
 
 
 @njit(cache=True, error_model="numpy")
-def interpolate_or_nan(image: Image32, u: float, v: float) -> float:
+def interpolate_or_nan(image: Float32Image, u: float, v: float) -> float:
     """Bilinear value; NaN outside."""
     height, width = image.shape
     if not (0 <= u < width - 1 and 0 <= v < height - 1):
@@ -136,7 +136,7 @@ def interpolate_or_nan(image: Image32, u: float, v: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def straightened_image(
-    picture: tuple[Image32, Image32, PlaneToPixelMap],
+    picture: tuple[Float32Image, Float32Image, PlaneToPixelMap],
     pose: Float,
     line: tuple[Float, Float, Float],
     size: Float,
@@ -183,7 +183,7 @@ def _write_pose_derivatives(
 
 
 @njit(cache=True, error_model="numpy")
-def _add_station_score(score: Float, side: Float, meat: Float) -> None:
+def _accumulate_score_vector(score: Float, side: Float, meat: Float) -> None:
     """Add a station's score to the side, its outer product to `meat`; the score is 0 again."""
     for i in range(len(score)):
         side[i] += score[i]
@@ -194,7 +194,7 @@ def _add_station_score(score: Float, side: Float, meat: Float) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def _scoring_equations(
+def _fisher_scoring_equations(
     seen: tuple[Float, Float],
     line: tuple[Float, Float, Float],
     tables: tuple[Float, Float, Float, Float],
@@ -239,7 +239,7 @@ def _scoring_equations(
                 score[i] += weight * residual * row[i]
                 for j in range(i + 1):
                     information[i, j] += weight * row[i] * row[j]
-        _add_station_score(score, side, meat)
+        _accumulate_score_vector(score, side, meat)
     for i in range(count):
         for j in range(i):
             information[j, i] = information[i, j]
@@ -252,7 +252,7 @@ def _scoring_equations(
 
 
 @njit(cache=True, error_model="numpy")
-def _limited_scoring_step(information: Float, side: Float, pose: Float) -> Float:
+def _limited_fisher_scoring_step(information: Float, side: Float, pose: Float) -> Float:
     """Change of the pose in body axes; bending tied to none, the more the higher its order."""
     normal, right = information.copy(), side.copy()
     tie = BEND_PRIOR_INFORMATION_SHARE * information[2, 2]
@@ -268,7 +268,7 @@ def _limited_scoring_step(information: Float, side: Float, pose: Float) -> Float
 
 @njit(cache=True, error_model="numpy")
 def fit_midline_pose(
-    picture: tuple[Image32, Image32, PlaneToPixelMap],
+    picture: tuple[Float32Image, Float32Image, PlaneToPixelMap],
     tables: tuple[Float, Float, Float, Float],
     size: Float,
     start: Float,
@@ -285,15 +285,15 @@ def fit_midline_pose(
         line = station_positions(pose, size, tables[0])
         seen = straightened_image(picture, pose, line, size)
         how = (pose, size[1], gain, tolerance)
-        information, side, meat, support, found = _scoring_equations(seen, line, tables, how)
+        information, side, meat, support, found = _fisher_scoring_equations(seen, line, tables, how)
         if settled or turn == MAX_ITERATIONS or support[4] < MIN_SEEN_SHARE:
             break
-        step = _limited_scoring_step(information, side, pose)
+        step = _limited_fisher_scoring_step(information, side, pose)
         c, s = math.cos(pose[2]), math.sin(pose[2])
         pose[0] += c * step[0] - s * step[1]
         pose[1] += s * step[0] + c * step[1]
         for i in range(2, len(pose)):
             pose[i] += step[i]
-        gain = min(max(found, GAIN_RANGE[0]), GAIN_RANGE[1])
+        gain = min(max(found, CONTRAST_GAIN_RANGE[0]), CONTRAST_GAIN_RANGE[1])
         settled = turn > 0 and np.abs(step).max() < CONVERGED_STEP
     return pose, information, meat, support

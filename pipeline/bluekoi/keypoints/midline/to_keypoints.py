@@ -9,7 +9,7 @@ import numpy as np
 
 from ...data import BODY_PART_NAMES, Float, Keypoints
 from ...study import Robot, Trial
-from ..outline.plane import in_body_lengths
+from ..outline.plane import metres_to_body_lengths
 from ..outline.to_keypoints import likelihood_factors_at_jumps, likelihood_of_support
 from .blobs import BackgroundModel
 from .midline_fit import (
@@ -40,7 +40,7 @@ BODY_THIRDS_OF_KEYPOINTS = np.array(
 def keypoint_arcs(robot: Robot, trial: Trial) -> Float:
     """Arcs (5,) of the keypoints, nose 0 and tail tip 1, at the shares that study.yaml states."""
     head, com, tail = (
-        in_body_lengths(robot, length)
+        metres_to_body_lengths(robot, length)
         for length in (trial.head_length_m, robot.hinge_to_com_m, robot.tail_length_m)
     )
     body = total_length(robot, trial) - tail
@@ -49,7 +49,7 @@ def keypoint_arcs(robot: Robot, trial: Trial) -> Float:
 
 def total_length(robot: Robot, trial: Trial) -> float:
     """Nose to tail tip, body lengths."""
-    return in_body_lengths(robot, robot.whole_length_m(trial.head_length_m))
+    return metres_to_body_lengths(robot, robot.whole_length_m(trial.head_length_m))
 
 
 def keypoints_from_fits(
@@ -106,7 +106,7 @@ def _pixels_and_covariances(
     fits: Sequence[MidlineFit], arena: BackgroundModel, shape: BendingTemplate, arc: Float
 ) -> tuple[Float, Float]:
     """Pixels (n, 5, 2) and covariances (n, 5, 2, 2) of fits."""
-    bend, *_ = shape.tables
+    bend, *_ = shape.basis_coverage_and_slopes
     supported = [one.meat for one in fits if one.support[3] > 0.5]
     meat = CORRELATED_STATION_VARIANCE_RATIO * np.mean(
         supported or [one.meat for one in fits], axis=0
@@ -114,13 +114,17 @@ def _pixels_and_covariances(
     xy, cov = np.empty((len(fits), len(arc), 2)), np.empty((len(fits), len(arc), 2, 2))
     for i, one in enumerate(fits):
         place, slope = _positions_and_pose_jacobians(one, shape, bend, arc)
-        xy[i] = arena.plane.pixels(place)
+        xy[i] = arena.plane.body_lengths_to_pixels(place)
         ridge = 1e-3 * np.diag(np.diag(one.information))
         gain = np.linalg.pinv(one.information + ridge)
         step = 0.02 * np.array([[1.0, 0.0], [0.0, 1.0]])
         local = np.stack(
             [
-                (arena.plane.pixels(place + move) - arena.plane.pixels(place - move)) / 0.04
+                (
+                    arena.plane.body_lengths_to_pixels(place + move)
+                    - arena.plane.body_lengths_to_pixels(place - move)
+                )
+                / 0.04
                 for move in step
             ],
             axis=2,
@@ -139,7 +143,7 @@ def _positions_and_pose_jacobians(
     one: MidlineFit, shape: BendingTemplate, bend: Float, arc: Float
 ) -> tuple[Float, Float]:
     """Places (5, 2) and slopes (5, 2, 3 + BEND_TERMS) of arcs by the pose in body axes."""
-    place, _, by_bend = station_positions(one.pose, shape.size, bend)
+    place, _, by_bend = station_positions(one.pose, shape.length_and_half_width, bend)
     at = station_arcs()
     flat = np.concatenate([place, by_bend.reshape(len(at), -1)], axis=1)
     found = np.column_stack([np.interp(arc, at, column) for column in flat.T])

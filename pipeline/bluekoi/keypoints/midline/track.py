@@ -67,11 +67,11 @@ class BodyFitHistory:
                 return count
         return len(self.fits)
 
-    def last(self) -> Float | None:
+    def last_seen_pose(self) -> Float | None:
         """Pose seen last."""
         return next((one.pose for one in reversed(self.fits) if one is not None), None)
 
-    def predicted(self, time_s: float) -> Float | None:
+    def predicted_pose(self, time_s: float) -> Float | None:
         """Expected pose: position and heading extrapolated, the bending constant.
 
         Extrapolated by one interval at most: a body that is lost for longer may have turned, and
@@ -79,14 +79,14 @@ class BodyFitHistory:
         """
         known = self.recent_fits
         if len(known) < 2:
-            return self.last()
+            return self.last_seen_pose()
         (before_s, before), (last_s, last) = known
         steps = min((time_s - last_s) / (last_s - before_s), 1.0)
         pose = last.pose.copy()
         pose[:3] += steps * (last.pose - before.pose)[:3]
         return pose
 
-    def add(self, time_s: float, one: MidlineFit | None) -> None:
+    def append_frame(self, time_s: float, one: MidlineFit | None) -> None:
         """Append a frame."""
         self.times.append(time_s)
         self.fits.append(one)

@@ -15,11 +15,18 @@ import numpy as np
 from ...data import Float, Frame
 from ..outline.background import LumaPicture
 from ..outline.target_body import START_TOLERANCE_LENGTHS, search_radius_lengths
-from .blobs import BackgroundModel, Blob, ReducedImage, candidate_poses, find_blobs, reduced_image
+from .blobs import (
+    BackgroundDifferenceCrop,
+    BackgroundModel,
+    Blob,
+    background_difference_crop,
+    candidate_poses,
+    find_blobs,
+)
 from .identity import (
     body_distance,
     record_doubtful_jump,
-    record_possible_exchange,
+    record_possible_identity_swap,
 )
 from .learning import fit_to_image
 from .midline_fit import BEND_TERMS, MIN_SEEN_SHARE, STATIONS_ACROSS, BendingTemplate, midline
@@ -31,8 +38,8 @@ TOUCHING_BODIES_DISTANCE_LENGTHS = 1.3
 """Distance within which two bodies may touch; each is fitted again with the other one masked."""
 OTHER_BODIES_TRACKED_WITHIN_LENGTHS = 4.0
 """Distance from the target within which other bodies are followed too."""
-START_HEADINGS = 16
-MIN_MASKED_COVERAGE = 0.15
+INITIAL_HEADING_COUNT = 16
+MIN_COVERAGE_TO_MASK = 0.15
 MIN_NEW_TRACK_SCORE = 0.7
 
 
@@ -54,17 +61,17 @@ def track_body(
     times: list[float] = []
     for frame in film:
         times.append(frame.time_s)
-        if target.last() is None:
-            target.add(frame.time_s, _first_fit(frame.luma, arena, shape, start_px))
-            if several and target.last() is None:
+        if target.last_seen_pose() is None:
+            target.append_frame(frame.time_s, _first_fit(frame.luma, arena, shape, start_px))
+            if several and target.last_seen_pose() is None:
                 target.doubtful_s = min(target.doubtful_s, frame.time_s)
         else:
             _track_next_frame(frame, [target, *others], arena, shape)
             if several:
-                record_possible_exchange(target, others, shape)
+                record_possible_identity_swap(target, others, shape)
             else:
                 record_doubtful_jump(target, shape)
-        if several and target.last() is not None:
+        if several and target.last_seen_pose() is not None:
             others = [
                 body
                 for body in others
@@ -84,12 +91,12 @@ def _first_fit(
     At `start_px`, straight bodies with all headings are tried beside the poses of the blobs,
     because a blob may consist of two bodies that touch.
     """
-    picture = reduced_image(luma, arena)
+    picture = background_difference_crop(luma, arena)
     found = [_best_fit_to_blob(picture, blob, arena, shape) for blob in find_blobs(picture, arena)]
     good = [one for one in found if one is not None and one.support_score > MIN_SUPPORT]
     if start_px is not None:
         place = arena.plane.pixels_to_body_lengths(start_px[None])[0]
-        headings = np.linspace(-math.pi, math.pi, START_HEADINGS, endpoint=False)
+        headings = np.linspace(-math.pi, math.pi, INITIAL_HEADING_COUNT, endpoint=False)
         straight = [np.concatenate([place, [angle], np.zeros(BEND_TERMS)]) for angle in headings]
         tried = [MidlineFit(*fit_to_image(picture, shape, arena, pose)) for pose in straight]
         good += [one for one in tried if one.support_score > MIN_SUPPORT]
@@ -109,7 +116,7 @@ def _distance_to_midline_bl(one: MidlineFit, place: Float, shape: BendingTemplat
 
 
 def _best_fit_to_blob(
-    picture: ReducedImage, blob: Blob, arena: BackgroundModel, shape: BendingTemplate
+    picture: BackgroundDifferenceCrop, blob: Blob, arena: BackgroundModel, shape: BendingTemplate
 ) -> MidlineFit | None:
     fits = [MidlineFit(*fit_to_image(picture, shape, arena, pose))
             for pose in candidate_poses(blob, arena.plane, shape.length_bl)]  # fmt: skip
@@ -120,7 +127,7 @@ def _track_next_frame(
     frame: Frame, bodies: Sequence[BodyFitHistory], arena: BackgroundModel, shape: BendingTemplate
 ) -> None:
     """Fit all bodies to the next frame; a second time if bodies are near each other."""
-    expected = [body.predicted(frame.time_s) for body in bodies]
+    expected = [body.predicted_pose(frame.time_s) for body in bodies]
     found = [
         _fit_body(frame.luma, k, bodies, expected, arena=arena, shape=shape)
         for k in range(len(bodies))
@@ -135,7 +142,7 @@ def _track_next_frame(
             for k in range(len(bodies))
         ]
     for body, one in zip(bodies, found, strict=True):
-        body.add(frame.time_s, one)
+        body.append_frame(frame.time_s, one)
 
 
 def _neighbour_poses(k: int, places: Sequence[Float | None], shape: BendingTemplate) -> list[Float]:
@@ -161,12 +168,12 @@ def _fit_body(
     shape: BendingTemplate,
 ) -> MidlineFit | None:
     """The k-th body's best fit, without the pixels that other bodies cover."""
-    body, expected, last = bodies[k], places[k], bodies[k].last()
+    body, expected, last = bodies[k], places[k], bodies[k].last_seen_pose()
     if expected is None or last is None:
         return None
     reach = search_radius_lengths(body.frames_since_seen) * arena.length_px
-    middle = arena.plane.pixels(expected[None, :2])[0]
-    picture = reduced_image(luma, arena, middle, reach + 0.5 * arena.length_px)
+    middle = arena.plane.body_lengths_to_pixels(expected[None, :2])[0]
+    picture = background_difference_crop(luma, arena, middle, reach + 0.5 * arena.length_px)
     near = _neighbour_poses(k, places, shape)
     if near:
         picture = _mask_other_bodies(picture, near, arena, shape)
@@ -186,7 +193,7 @@ def _fit_body(
 
 
 def _starting_poses(
-    picture: ReducedImage, arena: BackgroundModel, shape: BendingTemplate
+    picture: BackgroundDifferenceCrop, arena: BackgroundModel, shape: BendingTemplate
 ) -> list[Float]:
     """Starting poses from the blobs of a body's size."""
     return [
@@ -211,43 +218,50 @@ def _penalised_score(one: MidlineFit, expected: Float, shape: BendingTemplate) -
 
 
 def _mask_other_bodies(
-    picture: ReducedImage, poses: Sequence[Float], arena: BackgroundModel, shape: BendingTemplate
-) -> ReducedImage:
+    picture: BackgroundDifferenceCrop,
+    poses: Sequence[Float],
+    arena: BackgroundModel,
+    shape: BendingTemplate,
+) -> BackgroundDifferenceCrop:
     """The reduced image; pixels that other bodies cover get depth NaN."""
     depth = picture.depth.copy()
     row = (
-        (shape.cover > MIN_MASKED_COVERAGE).sum(axis=1) / (STATIONS_ACROSS - 1) * 2 * shape.half_bl
+        (shape.cover > MIN_COVERAGE_TO_MASK).sum(axis=1) / (STATIONS_ACROSS - 1) * 2 * shape.half_bl
     )
     radius = 0.5 * row * arena.plane.px_per_bl / arena.factor
     kept = np.flatnonzero(radius > 0)
     arc = np.linspace(0, 1, len(row))[kept]
     for pose in poses:
         line, _ = midline(pose, shape.length_bl, arc * 1.28 - 0.14)
-        uv = (arena.plane.pixels(line) + 0.5) / picture.place[0] - 0.5 - picture.place[1:]
+        uv = (
+            (arena.plane.body_lengths_to_pixels(line) + 0.5) / picture.place[0]
+            - 0.5
+            - picture.place[1:]
+        )
         for (u, v), size in zip(uv, radius[kept], strict=True):
             cv2.circle(depth, (round(u), round(v)), max(1, round(size)), math.nan, -1)
-    return ReducedImage(picture.change, depth, picture.place)
+    return BackgroundDifferenceCrop(picture.change, depth, picture.place)
 
 
 def _new_tracks(
     frame: Frame, bodies: Sequence[BodyFitHistory], arena: BackgroundModel, shape: BendingTemplate
 ) -> list[BodyFitHistory]:
     """Bodies near the first one, which is seen, that are not followed yet."""
-    around = bodies[0].last()
+    around = bodies[0].last_seen_pose()
     if around is None:
         return []
-    middle = arena.plane.pixels(around[None, :2])[0]
-    picture = reduced_image(
+    middle = arena.plane.body_lengths_to_pixels(around[None, :2])[0]
+    picture = background_difference_crop(
         frame.luma, arena, middle, OTHER_BODIES_TRACKED_WITHIN_LENGTHS * arena.length_px
     )
-    poses = [pose for body in bodies if (pose := body.last()) is not None]
+    poses = [pose for body in bodies if (pose := body.last_seen_pose()) is not None]
     free = _mask_other_bodies(picture, poses, arena, shape)
     free.change[np.isnan(free.depth)] = 0.0
     new = []
-    for blob in find_blobs(ReducedImage(free.change, picture.depth, free.place), arena):
+    for blob in find_blobs(BackgroundDifferenceCrop(free.change, picture.depth, free.place), arena):
         one = _best_fit_to_blob(picture, blob, arena, shape)
         if one is not None and one.support_score > MIN_NEW_TRACK_SCORE:
             track = BodyFitHistory()
-            track.add(frame.time_s, one)
+            track.append_frame(frame.time_s, one)
             new.append(track)
     return new

@@ -16,9 +16,9 @@ from .template import OutlineTemplate
 LumaPicture = npt.NDArray[np.uint8]
 POOL_MASK_ENLARGEMENT = 1.08
 MIN_RELATIVE_CONTRAST = 0.4
-MIN_LEVEL_GREY_LEVELS, LEVEL_NOISE_STDS = 14.0, 4.0
-MAX_AREA_RATIO = 4.0
-MAX_LEVEL_GREY_LEVELS = 60.0
+MIN_THRESHOLD_GREY_LEVELS, THRESHOLD_NOISE_STDS = 14.0, 4.0
+MAX_CHANGED_AREA_OVER_ROBOT_AREA = 4.0
+MAX_THRESHOLD_GREY_LEVELS = 60.0
 MORPHOLOGY_KERNEL = np.ones((3, 3), np.uint8)
 
 
@@ -54,15 +54,20 @@ def find_blobs(
     change = cv2.subtract(thin[1], thin[0], dtype=cv2.CV_16S)
     change = cv2.blur(change, (3, 3))
     pool = pool_mask(change.shape, plane.corners_px / step)
-    share = MAX_AREA_RATIO * area_bl2 * (plane.px_per_bl / step) ** 2 / max(1, int(pool.sum()))
+    share = (
+        MAX_CHANGED_AREA_OVER_ROBOT_AREA
+        * area_bl2
+        * (plane.px_per_bl / step) ** 2
+        / max(1, int(pool.sum()))
+    )
     least = 0.1 * area_bl2 * (plane.px_per_bl / step) ** 2
     found: list[Blob | None] = []
     for sided in (change, -change):
         usual = np.quantile(sided[::3, ::3][pool[::3, ::3] > 0], max(0.0, 1 - share))
         level = max(
-            MIN_LEVEL_GREY_LEVELS,
-            LEVEL_NOISE_STDS * noise,
-            min(float(usual), MAX_LEVEL_GREY_LEVELS),
+            MIN_THRESHOLD_GREY_LEVELS,
+            THRESHOLD_NOISE_STDS * noise,
+            min(float(usual), MAX_THRESHOLD_GREY_LEVELS),
         )
         solid = cv2.morphologyEx(
             (sided > level).astype(np.uint8) & pool, cv2.MORPH_OPEN, MORPHOLOGY_KERNEL
@@ -147,7 +152,7 @@ def candidate_poses(blob: Blob, template: OutlineTemplate, head_angle_rad: float
     centre, axis = _centre_and_long_axis(blob.outline_bl)
     found = []
     for bend in dict.fromkeys((head_angle_rad, 0.0, -head_angle_rad)):
-        own_centre, own_axis = _centre_and_long_axis(template.outline(bend))
+        own_centre, own_axis = _centre_and_long_axis(template.closed_outline(bend))
         for way in (0.0, math.pi):
             heading = axis - own_axis + way
             c, s = math.cos(heading), math.sin(heading)

@@ -70,15 +70,17 @@ def edge_offset(
         seen[k] = interpolate_bilinear(luma, u, v)
         clear[k] = interpolate_bilinear(floor, u, v)
     at = _best_step_index(seen, clear, skin)
-    covered, gradient, derivative = _covered_px_beyond_step(lines, at, skin)
+    covered, gradient, derivative = _covered_length_beyond_step_px(lines, at, skin)
     if abs(covered) > 0.5:
         at += 1 if covered > 0.0 else -1
-        covered, gradient, derivative = _covered_px_beyond_step(lines, at, skin)
+        covered, gradient, derivative = _covered_length_beyond_step_px(lines, at, skin)
     return at + covered - 0.5 - reach, gradient, derivative
 
 
 @njit(cache=True, error_model="numpy")
-def _covered_px_beyond_step(lines: Float, at: int, skin: float) -> tuple[float, float, float]:
+def _covered_length_beyond_step_px(
+    lines: Float, at: int, skin: float
+) -> tuple[float, float, float]:
     """Covered length [px] beyond a step, NaN where there is no edge; the gradient of the floor's
     brightness ratio outwards [1/px]; derivative of the covered length by it.
 

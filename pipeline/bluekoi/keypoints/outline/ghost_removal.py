@@ -56,7 +56,7 @@ def body_outline_px(
 ) -> npt.NDArray[np.int32]:
     """Outline (n, 2) of head and core in the picture, px."""
     x, y, heading, bend = one.pose
-    outline = template.outline(bend)
+    outline = template.closed_outline(bend)
     body = (outline[:, 0] + 1j * outline[:, 1]) * np.exp(1j * heading) + x + 1j * y
     return _nearest_pixels(scene, body)
 
@@ -65,7 +65,7 @@ def _nearest_pixels(
     scene: DetectionScene, points_bl: npt.NDArray[np.complex128]
 ) -> npt.NDArray[np.int32]:
     """Pixels (n, 2) of points x + i y in the plane."""
-    px = scene.plane.pixels(np.column_stack([points_bl.real, points_bl.imag]))
+    px = scene.plane.body_lengths_to_pixels(np.column_stack([points_bl.real, points_bl.imag]))
     return px.round().astype(np.int32)
 
 

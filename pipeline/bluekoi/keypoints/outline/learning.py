@@ -11,23 +11,23 @@ import numpy as np
 from ...data import Float, Frame
 from ...study import Robot, Trial
 from .blob_detection import Blob, candidate_poses, find_blobs
-from .stations import measure_stations, picture_blur_px, without_biased_stations
+from .outline_stations import measure_stations, picture_blur_px, without_biased_stations
 from .template import OutlineTemplate, initial_template, robot_length_bl, with_learned_outline
 from .tracking import (
     DetectionScene,
     OutlineFit,
+    edge_search_ranges_px,
     fit_template_to_frame,
     is_plausible_blob,
-    search_ranges_px,
 )
 
-SEARCH_LENGTHS_BL = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
+LEARNING_EDGE_SEARCH_RANGES_BL = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
 RELEARNING_STEPS = 3
 """Number of these steps, from the last, for a template that was learned in a similar scene."""
 AREA_PER_LENGTH_SQUARED = 0.16
-GOOD_SUPPORT = 0.9
-MIN_BEND_RAD = 0.15
-START_OFFSETS_BL = ((0.0,), (-0.09, 0.0, 0.09), (-0.15, -0.075, 0.0, 0.075, 0.15))
+SUFFICIENT_EDGE_SUPPORT = 0.9
+MAX_LEARNED_HEAD_ANGLE_DEVIATION_RAD = 0.15
+START_OFFSETS_ALONG_BODY_BL = ((0.0,), (-0.09, 0.0, 0.09), (-0.15, -0.075, 0.0, 0.075, 0.15))
 
 
 @dataclass(frozen=True)
@@ -39,14 +39,14 @@ class LearnedTemplate:
     support: float
 
     @property
-    def frames(self) -> int:
+    def learning_frame_count(self) -> int:
         """How many frames it was learned from."""
         return len(self.samples)
 
     @property
     def support_score(self) -> float:
         """Support, less where it was learned from fewer than three frames."""
-        return self.support * min(self.frames, 3) / 3
+        return self.support * min(self.learning_frame_count, 3) / 3
 
 
 def learn_template(
@@ -64,7 +64,7 @@ def learn_template(
     if first is None:
         return None
     candidates: list[LearnedTemplate] = []
-    for slides in START_OFFSETS_BL:
+    for slides in START_OFFSETS_ALONG_BODY_BL:
         known = generic_template(candidates[-1].template, robot, trial) if candidates else first
         starts = [
             (f, best)
@@ -78,7 +78,7 @@ def learn_template(
                 _fits_with_above_median_support(starts) if candidates else starts, scene, known
             )
         )
-        if candidates[-1].support > GOOD_SUPPORT:
+        if candidates[-1].support > SUFFICIENT_EDGE_SUPPORT:
             break
     if not candidates:
         return None
@@ -95,11 +95,14 @@ def relearned_template(
     """Template learned again, in a scene that changed little: from the fits that it has, where they
     are good; else from the samples. The old one where nothing is found.
     """
-    if outline.support > GOOD_SUPPORT:
+    if outline.support > SUFFICIENT_EDGE_SUPPORT:
         again = _refine_template(
-            list(outline.samples), scene, outline.template, SEARCH_LENGTHS_BL[-RELEARNING_STEPS:]
+            list(outline.samples),
+            scene,
+            outline.template,
+            LEARNING_EDGE_SEARCH_RANGES_BL[-RELEARNING_STEPS:],
         )
-        if again.support > GOOD_SUPPORT:
+        if again.support > SUFFICIENT_EDGE_SUPPORT:
             return again
     return learn_template(samples, scene, robot, trial) or outline
 
@@ -112,7 +115,7 @@ def robot_sized_blobs(frame: Frame, scene: DetectionScene, length_bl: float) -> 
 
 def generic_template(template: OutlineTemplate, robot: Robot, trial: Trial) -> OutlineTemplate:
     """Generic template of a learned one's width and grey level, its core as learned."""
-    generic = initial_template(robot, trial, float(template.half.max()), template.skin)
+    generic = initial_template(robot, trial, float(template.half.max()), template.core_grey_level)
     return replace(generic, half=template.half, core_skin=template.core_skin)
 
 
@@ -129,13 +132,13 @@ def _refine_template(
     starts: list[tuple[Frame, OutlineFit]],
     scene: DetectionScene,
     template: OutlineTemplate,
-    lengths_bl: Sequence[float] = SEARCH_LENGTHS_BL,
+    lengths_bl: Sequence[float] = LEARNING_EDGE_SEARCH_RANGES_BL,
 ) -> LearnedTemplate:
     """LearnedTemplate of fits that start where the robot is, to the greatest of the lengths."""
     fits = starts
     for size in lengths_bl:
-        shape = template.shape()
-        reach = search_ranges_px(scene, size, size, size)
+        shape = template.outline_arrays()
+        reach = edge_search_ranges_px(scene, size, size, size)
         bend = _common_head_angle_rad(fits, scene)
         fits = [
             (
@@ -155,14 +158,19 @@ def _refine_template(
         seen = measure_stations(kept, scene, template, int(reach[-1]))
         blur_bl = picture_blur_px(kept, scene, template, seen[0]) / scene.plane.px_per_bl
         template = with_learned_outline(template, *seen, blur_bl=blur_bl)
-    shape = template.shape()
+    shape = template.outline_arrays()
     last = [
-        fit_template_to_frame(f.luma, scene, shape, one.pose, search_ranges_px(scene, 0.024, 0.024))
+        fit_template_to_frame(
+            f.luma, scene, shape, one.pose, edge_search_ranges_px(scene, 0.024, 0.024)
+        )
         for f, one in fits
     ]
     pairs = tuple((frame, one) for (frame, _), one in zip(fits, last, strict=True))
     offsets, _ = measure_stations(
-        fits_with_near_best_support(pairs), scene, template, int(search_ranges_px(scene, 0.024)[0])
+        fits_with_near_best_support(pairs),
+        scene,
+        template,
+        int(edge_search_ranges_px(scene, 0.024)[0]),
     )
     template = without_biased_stations(template, offsets * scene.plane.px_per_bl)
     return LearnedTemplate(template, pairs, float(np.median([one.support[2] for one in last])))
@@ -236,8 +244,8 @@ def _best_start_fit(
     Begun at the blob's poses, each moved along its heading by `slides_bl`: a part of a body lies
     anywhere along it.
     """
-    shape = template.shape()
-    reach = search_ranges_px(scene, 0.078, 0.066, 0.054, 0.042, 0.036)
+    shape = template.outline_arrays()
+    reach = edge_search_ranges_px(scene, 0.078, 0.066, 0.054, 0.042, 0.036)
     tried = [
         fit_template_to_frame(
             frame.luma,
@@ -261,7 +269,11 @@ def _common_head_angle_rad(
 ) -> float:
     """Head angle of all frames: the servo holds it, so that no single frame may bend the head."""
     bend = float(np.median([one.pose[3] for _, one in fits]))
-    return bend if abs(bend - scene.head_angle_rad) < MIN_BEND_RAD else scene.head_angle_rad
+    return (
+        bend
+        if abs(bend - scene.head_angle_rad) < MAX_LEARNED_HEAD_ANGLE_DEVIATION_RAD
+        else scene.head_angle_rad
+    )
 
 
 def with_head_angle(pose: Float, bend: float) -> Float:

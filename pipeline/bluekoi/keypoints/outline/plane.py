@@ -44,7 +44,7 @@ class SwimmingPlaneMap:
         sides = np.hypot(*(np.roll(self.corners_px, -1, axis=0) - self.corners_px).T)
         return float(min(sides[[0, 2]].mean(), sides[[1, 3]].mean()))
 
-    def pixels(self, xy_bl: Float) -> Float:
+    def body_lengths_to_pixels(self, xy_bl: Float) -> Float:
         """(n, 2) pixels of points (n, 2) in body lengths."""
         return evaluate_polynomial(
             self.to_px, self.scale_bl, np.ascontiguousarray(xy_bl, dtype=float)
@@ -57,14 +57,14 @@ class SwimmingPlaneMap:
         )
 
 
-def in_body_lengths(robot: Robot, length_m: float) -> float:
+def metres_to_body_lengths(robot: Robot, length_m: float) -> float:
     """A length in body lengths, rounded so that the metric scale of a study leaves no trace."""
     return round(length_m / robot.body_length_m, 12)
 
 
 def swimming_plane_map(setup: StudySettings) -> SwimmingPlaneMap:
     """Plane at the keypoints' depth from lens and pool corners; at the marks without a lens."""
-    sides = np.array([in_body_lengths(setup.robot, side)
+    sides = np.array([metres_to_body_lengths(setup.robot, side)
                       for side in (setup.pool.length_m, setup.pool.width_m)])  # fmt: skip
     xy = _pool_grid_bl(sides, GRID_POINTS_PER_SIDE)
     uv = _project_to_pixels(setup, sides, xy)
@@ -149,12 +149,12 @@ def _project_to_pixels(setup: StudySettings, sides: Float, xy: Float) -> Float:
     if camera.matrix is None:
         direct = cv2.getPerspectiveTransform(corners.astype(np.float32), marks.astype(np.float32))
         return cv2.perspectiveTransform(xy[:, None], direct)[:, 0]
-    marks_bl = in_body_lengths(setup.robot, camera.pool_corners_height_m)
+    marks_bl = metres_to_body_lengths(setup.robot, camera.pool_corners_height_m)
     turn, shift = _camera_rotation_and_shift(
         camera, np.column_stack([corners, np.full(4, marks_bl)]), marks
     )
     eye = -turn.T @ shift
-    depth_bl = in_body_lengths(setup.robot, setup.robot.keypoint_depth_m)
+    depth_bl = metres_to_body_lengths(setup.robot, setup.robot.keypoint_depth_m)
     surface = _surface_crossing_points(
         xy, eye[:2], eye[2], (depth_bl, setup.water.refractive_index)
     )

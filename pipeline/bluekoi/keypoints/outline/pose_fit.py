@@ -14,7 +14,7 @@ from .plane import horner
 
 OutlineArrays = tuple[Float, Float, npt.NDArray[np.int64], Float]
 MAX_EXTRA_ITERATIONS = 5
-GRADIENT_NEIGHBOURS = 2
+LIGHT_GRADIENT_NEIGHBOURS = 2
 POSE_CONVERGENCE_PX = 0.1
 POSE_CONVERGENCE_RAD = 0.001
 
@@ -93,7 +93,7 @@ def _correct_for_light_gradient(
     the same part, weighted by a triangle.
     """
     gradient, derivative = light
-    reach = GRADIENT_NEIGHBOURS
+    reach = LIGHT_GRADIENT_NEIGHBOURS
     for i in range(len(offset)):
         total, weight = 0.0, 0.0
         for j in range(max(0, i - reach), min(len(offset), i + reach + 1)):
@@ -185,11 +185,11 @@ def information_and_edge_support(
             for a in range(5):
                 for b in range(5):
                     information[a, b] += weight[i] * row[a] * row[b]
-    return information, _support_and_nearness(offset, part, limits)
+    return information, _edge_support_and_nearness(offset, part, limits)
 
 
 @njit(cache=True, error_model="numpy")
-def _support_and_nearness(
+def _edge_support_and_nearness(
     offset: Float, part: npt.NDArray[np.int64], limits: tuple[float, float]
 ) -> Float:
     """Share of head, core and all points that support the template, and nearness (4,)."""

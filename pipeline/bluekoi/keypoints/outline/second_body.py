@@ -30,10 +30,13 @@ def second_body_remark(
     ]
     if len(found) < MIN_FRAMES:
         return ()
-    time_s, (u, v) = found[0][0], scene.plane.pixels(found[0][1].pose[None, :2])[0].tolist()
+    time_s, (u, v) = (
+        found[0][0],
+        scene.plane.body_lengths_to_pixels(found[0][1].pose[None, :2])[0].tolist(),
+    )
     return (
-        f"a second body of the robot's shape in {len(found)} of {outline.frames} pictures "
-        f"looked at (at {time_s:.2f} s near pixel {u:.0f}, {v:.0f}): the path "
+        f"a second body of the robot's shape in {len(found)} of {outline.learning_frame_count} "
+        f"pictures looked at (at {time_s:.2f} s near pixel {u:.0f}, {v:.0f}): the path "
         + (
             "is of the one that began at start_x_px, start_y_px"
             if start_is_known
@@ -52,7 +55,9 @@ def _fit_second_body(
     """A good fit to a blob that lies a body's length from the robot."""
     apart = template.head_bl + template.core_bl
     others = [blob for blob in seen if _distance_bl(blob, one) > apart]
-    return best_fit_of_blobs(others, luma, scene, TargetBody(template, None), template.shape())
+    return best_fit_of_blobs(
+        others, luma, scene, TargetBody(template, None), template.outline_arrays()
+    )
 
 
 def _distance_bl(blob: Blob, one: OutlineFit) -> float:

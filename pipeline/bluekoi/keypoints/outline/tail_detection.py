@@ -14,7 +14,7 @@ RAY_HALF_RANGE_RAD = 1.1
 RAY_COUNT = 31
 ARC_HALF_ANGLE_RAD = 0.5
 MAX_TAIL_LENGTH_RATIO, RADIUS_STEP_PX = 1.5, 0.5
-PLATEAU_RANGE_OVER_TAIL_LENGTH = (0.45, 0.75)
+COVERAGE_PLATEAU_RANGE_OVER_LENGTH = (0.45, 0.75)
 MIN_PLATEAU_COVERAGE = 0.8
 IMAGE_BORDER_PX = 18.0
 """Farther than this from the picture's border nothing about a place on the line lies outside: half
@@ -91,8 +91,9 @@ def tail_length(
     """Length [px] of the tail from its base to where it is seen to end; NaN where it is not.
 
     It ends where the coverage, averaged over three samples, falls to half of its mean over the part
-    `PLATEAU_RANGE_OVER_TAIL_LENGTH` of the stated length. Its length is that of a cubic through the
-    traced points, because their scatter would lengthen a polyline. Arguments as of `trace_tail`.
+    `COVERAGE_PLATEAU_RANGE_OVER_LENGTH` of the stated length. Its length is that of a cubic through
+    the traced points, because their scatter would lengthen a polyline. Arguments as of
+    `trace_tail`.
     """
     count = int((MAX_TAIL_LENGTH_RATIO * length_px - 3.0) / RADIUS_STEP_PX)
     height, width = pictures[0].shape
@@ -114,8 +115,8 @@ def tail_length(
             bearing = found
         bearings[k] = bearing
         known = k + 1
-    first = int((PLATEAU_RANGE_OVER_TAIL_LENGTH[0] * length_px - 3.0) / RADIUS_STEP_PX)
-    last = int((PLATEAU_RANGE_OVER_TAIL_LENGTH[1] * length_px - 3.0) / RADIUS_STEP_PX)
+    first = int((COVERAGE_PLATEAU_RANGE_OVER_LENGTH[0] * length_px - 3.0) / RADIUS_STEP_PX)
+    last = int((COVERAGE_PLATEAU_RANGE_OVER_LENGTH[1] * length_px - 3.0) / RADIUS_STEP_PX)
     if known <= last or last - first < 3:
         return math.nan
     usual = np.median(cover[first:last])

@@ -30,7 +30,7 @@ class TargetBody:
     last: Float | None = None
     frames_since: int = 0
 
-    def record(self, pose: Float | None) -> None:
+    def record_pose(self, pose: Float | None) -> None:
         """Record the pose (4,) of the next frame; None if the body was not found."""
         if pose is None:
             self.frames_since += 1

@@ -15,21 +15,21 @@ import numpy.typing as npt
 
 from ...data import Float
 from ...study import Robot, Trial
-from .plane import in_body_lengths
+from .plane import metres_to_body_lengths
 from .pose_fit import OutlineArrays
 
 HEAD_PART, CORE_PART = 0, 1
-HEAD_ORIGIN_SHARE = 0.55
+HEAD_POLAR_ORIGIN_SHARE = 0.55
 CORE_STATION_COUNT = 36
 HEAD_STATION_COUNT = 25
-CORE_END_SHARE = 0.03
+UNSAMPLED_CORE_END_SHARE = 0.03
 
 
 @dataclass(frozen=True)
 class OutlineTemplate:
     """Outline in body lengths (nose to caudal base with the standard head).
 
-    angles, radii: (HEAD_STATION_COUNT,) polar outline of the head about (HEAD_ORIGIN_SHARE
+    angles, radii: (HEAD_STATION_COUNT,) polar outline of the head about (HEAD_POLAR_ORIGIN_SHARE
     head_bl, 0), angle 0 at the nose. along, half: (CORE_STATION_COUNT,) x <= 0 and half-width of
     the core. head_skin, core_skin: grey levels at the stations of both sides (2, stations).
     joint_bl: radius about the hinge in which no edge is searched. biased: stations (both parts and
@@ -50,7 +50,7 @@ class OutlineTemplate:
     biased: npt.NDArray[np.bool_]
 
     @cached_property
-    def skin(self) -> float:
+    def core_grey_level(self) -> float:
         """The core's usual grey level."""
         return float(np.median(self.core_skin))
 
@@ -59,9 +59,9 @@ class OutlineTemplate:
         """Area of head and core, roughly."""
         return 1.4 * float(self.half.max()) * (self.head_bl + self.core_bl)
 
-    def shape(self) -> OutlineArrays:
+    def outline_arrays(self) -> OutlineArrays:
         """Points (n, 2), outward normals (n, 2), part (n,), skin (n,): both sides of both parts."""
-        head, core = self._head(), self._core()
+        head, core = self._head_half_outline(), self._core_half_outline()
         mirror = np.array([1.0, -1.0])
         points = np.concatenate([head, head * mirror, core, core * mirror])
         sides = (_unit_normals(head), _unit_normals(core))
@@ -73,37 +73,37 @@ class OutlineTemplate:
 
     def visible_stations(self) -> npt.NDArray[np.bool_]:
         """Which of the stations (head, head mirrored, core, core mirrored) are searched for."""
-        head = np.hypot(*self._head().T) > self.joint_bl
-        core = np.hypot(*self._core().T) > self.joint_bl
+        head = np.hypot(*self._head_half_outline().T) > self.joint_bl
+        core = np.hypot(*self._core_half_outline().T) > self.joint_bl
         core[-1] = False
         nose_once = head.copy()
         nose_once[0] = False
         return np.concatenate([head, nose_once, core, core]) & ~self.biased
 
-    def turned(self, head_angle_rad: float) -> tuple[Float, Float]:
+    def turned_points_and_normals(self, head_angle_rad: float) -> tuple[Float, Float]:
         """Points and normals (n, 2) of `shape`, head turned: hinge at 0, core along x."""
-        points, normals, part, _ = self.shape()
+        points, normals, part, _ = self.outline_arrays()
         c, s = np.cos(-head_angle_rad), np.sin(-head_angle_rad)
         turn, head = np.array([[c, -s], [s, c]]).T, (part == HEAD_PART)[:, None]
         return np.where(head, points @ turn, points), np.where(head, normals @ turn, normals)
 
-    def outline(self, head_angle_rad: float) -> Float:
+    def closed_outline(self, head_angle_rad: float) -> Float:
         """Closed outline (n, 2) of head and core, hinge at 0, core along x: for comparing blobs."""
         c, s = np.cos(-head_angle_rad), np.sin(-head_angle_rad)
         turn = np.array([[c, -s], [s, c]])
         mirror = np.array([1.0, -1.0])
-        head, core = self._head(), self._core()
+        head, core = self._head_half_outline(), self._core_half_outline()
         front = np.concatenate([(head * mirror)[::-1], head]) @ turn.T
         rear = np.concatenate([core, (core * mirror)[::-1]])
         return np.concatenate([front, rear])
 
-    def _head(self) -> Float:
-        middle = HEAD_ORIGIN_SHARE * self.head_bl
+    def _head_half_outline(self) -> Float:
+        middle = HEAD_POLAR_ORIGIN_SHARE * self.head_bl
         return np.column_stack(
             [middle + self.radii * np.cos(self.angles), self.radii * np.sin(self.angles)]
         )
 
-    def _core(self) -> Float:
+    def _core_half_outline(self) -> Float:
         return np.column_stack([self.along, self.half])
 
 
@@ -119,23 +119,25 @@ def _unit_normals(line: Float) -> Float:
 
 def robot_length_bl(robot: Robot, trial: Trial) -> float:
     """Nose to caudal base with the trial's head, in body lengths."""
-    return in_body_lengths(robot, robot.body_length_m + trial.head_length_m - robot.head_length_m)
+    return metres_to_body_lengths(
+        robot, robot.body_length_m + trial.head_length_m - robot.head_length_m
+    )
 
 
 def initial_template(
     robot: Robot, trial: Trial, half_width_bl: float, skin: float
 ) -> OutlineTemplate:
     """Template of the robot's lengths and one half-width: an egg and a taper, to begin with."""
-    head_bl = in_body_lengths(robot, trial.head_length_m)
+    head_bl = metres_to_body_lengths(robot, trial.head_length_m)
     core_bl = robot_length_bl(robot, trial) - head_bl
     angles = np.linspace(0.0, 0.80 * np.pi, HEAD_STATION_COUNT)
-    share = np.linspace(0.0, 1.0 - CORE_END_SHARE, CORE_STATION_COUNT)
+    share = np.linspace(0.0, 1.0 - UNSAMPLED_CORE_END_SHARE, CORE_STATION_COUNT)
     end = 0.25 * half_width_bl
     return OutlineTemplate(
         head_bl=head_bl,
         core_bl=core_bl,
-        com_bl=in_body_lengths(robot, robot.hinge_to_com_m),
-        tail_bl=in_body_lengths(robot, robot.tail_length_m),
+        com_bl=metres_to_body_lengths(robot, robot.hinge_to_com_m),
+        tail_bl=metres_to_body_lengths(robot, robot.tail_length_m),
         angles=angles,
         radii=_blunt_head_radii(angles, head_bl, half_width_bl),
         along=-share * core_bl,
@@ -149,7 +151,7 @@ def initial_template(
 
 def _blunt_head_radii(angles: Float, head_bl: float, half_bl: float) -> Float:
     """Radii of a blunt head: |y / w|^2.1 + |x / front|^2.1 = 1 in front, straight sides behind."""
-    front = (1 - HEAD_ORIGIN_SHARE) * head_bl
+    front = (1 - HEAD_POLAR_ORIGIN_SHARE) * head_bl
     c, s = np.cos(angles), np.sin(angles)
     ahead = (np.abs(s / half_bl) ** 2.1 + np.abs(np.maximum(c, 0) / front) ** 2.1) ** (-1 / 2.1)
     return np.where(c > 0, ahead, half_bl / np.maximum(s, 0.3))
@@ -169,9 +171,11 @@ def with_learned_outline(
     core_right = offsets_bl[:, 2 * h + c :]
     head = _binomial_smoothed(_median_over_sides(parts[0], parts[1]))
     core = _binomial_smoothed(_median_over_sides(parts[2], core_right))
-    radial = np.sum(_unit_normals(template._head()) * _radial_directions(template), axis=1)
+    radial = np.sum(
+        _unit_normals(template._head_half_outline()) * _radial_directions(template), axis=1
+    )
     radii = template.radii + head / np.clip(radial, 0.5, 1.0)
-    lateral = np.abs(_unit_normals(template._core())[:, 1])
+    lateral = np.abs(_unit_normals(template._core_half_outline())[:, 1])
     half = np.maximum(template.half + core / np.clip(lateral, 0.5, 1.0), 0.0015)
     sides = np.split(nan_median(skins), [h, 2 * h, 2 * h + c])
     return replace(
@@ -234,15 +238,15 @@ def _move_nose_to_head_length(template: OutlineTemplate, radii: Float, blur_bl: 
 
     That is at the head's length, less what blur takes of the nose.
     """
-    nose = template.head_bl - nose_loss_by_blur(template.angles, radii, blur_bl)
-    shift = nose - template.head_bl * HEAD_ORIGIN_SHARE - radii[0]
+    nose = template.head_bl - nose_edge_shift_by_blur(template.angles, radii, blur_bl)
+    shift = nose - template.head_bl * HEAD_POLAR_ORIGIN_SHARE - radii[0]
     x = radii * np.cos(template.angles) + shift
     y = radii * np.sin(template.angles)
     angles = np.unwrap(np.arctan2(y, x))
     return np.interp(template.angles, angles, np.hypot(x, y))
 
 
-def nose_loss_by_blur(angles: Float, radii: Float, blur_bl: float) -> float:
+def nose_edge_shift_by_blur(angles: Float, radii: Float, blur_bl: float) -> float:
     """Distance by which blur (rms) displaces the edge of the nose backwards.
 
     Lateral blur averages the outline x(y) over y. Near the nose the outline is a power law through

@@ -9,12 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import BODY_PART_NAMES, Float, Keypoints
+from .outline_fit_covariance import mean_covariance
 from .template import OutlineTemplate
 from .tracking import DetectionScene, OutlineFit
-from .variance import mean_covariance
 
 FULL_SUPPORT, MIN_SUPPORT = 0.80, 0.35
-HEAD_OUTLINE_SUPPORTED_SHARE_RANGE = (0.25, 0.55)
+HEAD_EDGE_SUPPORT_RANGE = (0.25, 0.55)
 HEAD_ANGLE_TOLERANCE_RAD = 0.07
 MIN_STD_PX = 0.005
 DERIVATIVE_STEP_BL = 0.03
@@ -50,7 +50,7 @@ def keypoints_from_fits(
         poses = [one.pose if one else None for one in fits]
         jumps = likelihood_factors_at_jumps(times, poses, MAX_JUMP_BL, MAX_JUMP_RAD)
         head = float(np.median([one.support[0] for one in known]))
-        known_shape = likelihood_of_support(head, HEAD_OUTLINE_SUPPORTED_SHARE_RANGE)
+        known_shape = likelihood_of_support(head, HEAD_EDGE_SUPPORT_RANGE)
         each = np.array([_keypoint_likelihoods(one, bend) for one in known])
         likelihood[where] = known_shape * jumps[where, None] * each
     likelihood[~np.isfinite(xy).all(axis=2)] = 0.0
@@ -90,7 +90,7 @@ def _pixels_and_covariances(
     arms[:, 0] = template.head_bl * np.exp(-1j * pose[:, 3])
     arms[:, 2:] = [-template.com_bl, -template.core_bl]
     places = hinge[:, None] + arms * core[:, None]
-    uv = _pixels_of_places(scene, places)
+    uv = _plane_points_to_pixels(scene, places)
     slope = _core_axes_to_pixel_jacobians(scene, hinge, core)
     moves = np.zeros((len(fits), 4, 2, 4))
     moves[..., 0, 0] = moves[..., 1, 1] = 1.0
@@ -106,10 +106,10 @@ def _pixels_and_covariances(
     )
 
 
-def _pixels_of_places(scene: DetectionScene, places: npt.NDArray[np.complex128]) -> Float:
+def _plane_points_to_pixels(scene: DetectionScene, places: npt.NDArray[np.complex128]) -> Float:
     """Pixels (..., 2) of places x + i y in the plane."""
     flat = np.column_stack([places.real.ravel(), places.imag.ravel()])
-    return scene.plane.pixels(flat).reshape(*places.shape, 2)
+    return scene.plane.body_lengths_to_pixels(flat).reshape(*places.shape, 2)
 
 
 def _core_axes_to_pixel_jacobians(
@@ -119,7 +119,9 @@ def _core_axes_to_pixel_jacobians(
     length, (n, 2, 2).
     """
     step = DERIVATIVE_STEP_BL * core[:, None] * np.array([1.0, 1j])
-    ahead, behind = (_pixels_of_places(scene, places[:, None] + sign * step) for sign in (1, -1))
+    ahead, behind = (
+        _plane_points_to_pixels(scene, places[:, None] + sign * step) for sign in (1, -1)
+    )
     return ((ahead - behind) / (2 * DERIVATIVE_STEP_BL)).swapaxes(1, 2)
 
 

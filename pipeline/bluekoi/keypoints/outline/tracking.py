@@ -13,22 +13,22 @@ from ...data import Float, Frame
 from .background import LumaPicture
 from .blob_detection import Blob, candidate_poses, find_blobs
 from .edges import EDGE_WINDOW_HALF_WIDTH_PX
+from .outline_fit_covariance import FrameQuadraticForms, covariance_kernels, frame_quadratic_forms
 from .plane import SwimmingPlaneMap
 from .pose_fit import OutlineArrays, fit_outline_pose, information_and_edge_support
 from .tail_detection import tail_length, trace_tail
 from .target_body import TargetBody
 from .template import OutlineTemplate
-from .variance import FrameQuadraticForms, covariance_kernels, frame_quadratic_forms
 
 PRIOR_PRECISION = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
 MIN_TRACKING_SUPPORT_SHARE = 0.55
 MAX_HEAD_ANGLE_DEVIATION_RAD = 0.7
 """ASSUME a servo that lags or is wrong turns the head by less than 40 degrees from the scene's."""
-STATISTICS_EVERY_FRAMES = 2
+STATISTICS_FRAME_INTERVAL = 2
 NO_TAIL = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
 LOST_AFTER_FRAMES = 8
-NEARNESS_RANGE_BL = 0.042
-SEARCH_LENGTHS_BL = (0.042, 0.024)
+EDGE_NEARNESS_RANGE_BL = 0.042
+TRACKING_EDGE_SEARCH_RANGES_BL = (0.042, 0.024)
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class DetectionScene:
     head_angle_rad: float
 
     @property
-    def maps(self) -> tuple[Float, Float]:
+    def plane_to_pixel_map(self) -> tuple[Float, Float]:
         """Coefficients and scale of the plane's map to pixels."""
         return self.plane.to_px, self.plane.scale_bl
 
@@ -52,11 +52,12 @@ class OutlineFit:
 
     pose: (4,) hinge x, y [body lengths], core heading, head angle [rad]. information: (5, 5) for
     offsets with a standard deviation of 1 px, in body axes, the outline's width last. statistics:
-    of the offsets left (`variance`). support: share of the outline's points whose edge lies where
-    the template has it: head, core, all. nearness: mean over the outline of 1 at the edge, falling
-    to 0 at NEARNESS_RANGE_BL. tail: tip (2,) px, direction [rad], support and quality measures as
-    `trace_tail` returns them. nose_px: distance of the nose's edge ahead of the template's. length:
-    measured over stated length of the whole body, nose to tail; NaN if its ends were not seen.
+    of the offsets left (`outline_fit_covariance`). support: share of the outline's points whose
+    edge lies where the template has it: head, core, all. nearness: mean over the outline of 1 at
+    the edge, falling to 0 at EDGE_NEARNESS_RANGE_BL. tail: tip (2,) px, direction [rad], support
+    and quality measures as `trace_tail` returns them. nose_px: distance of the nose's edge ahead of
+    the template's. length: measured over stated length of the whole body, nose to tail; NaN if its
+    ends were not seen.
     """
 
     pose: Float
@@ -69,7 +70,7 @@ class OutlineFit:
     length: float = math.nan
 
 
-def search_ranges_px(scene: DetectionScene, *sizes_bl: float) -> npt.NDArray[np.int64]:
+def edge_search_ranges_px(scene: DetectionScene, *sizes_bl: float) -> npt.NDArray[np.int64]:
     """Search lengths in px, at least what an edge needs."""
     px = [
         max(EDGE_WINDOW_HALF_WIDTH_PX + 2, round(size * scene.plane.px_per_bl)) for size in sizes_bl
@@ -98,9 +99,13 @@ def fit_template_to_frame(
     known: kernels (K, n, n) for the statistics of the fit's variance.
     """
     pose, offset, weight, slope = fit_outline_pose(
-        (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR_PRECISION, width_px)
+        (frame, scene.floor),
+        scene.plane_to_pixel_map,
+        shape,
+        start,
+        (reach, PRIOR_PRECISION, width_px),
     )
-    limits = (edge_support_tolerance_px(scene), NEARNESS_RANGE_BL * scene.plane.px_per_bl)
+    limits = (edge_support_tolerance_px(scene), EDGE_NEARNESS_RANGE_BL * scene.plane.px_per_bl)
     found = (offset, weight, slope)
     information, share = information_and_edge_support(found, shape[2], pose[2], limits)
     signs = (
@@ -135,7 +140,7 @@ def best_fit_of_blobs(
     """The best fit of the target body to any of these blobs, either way round; None if no fit is
     good enough.
     """
-    steps = search_ranges_px(scene, 0.066, 0.054, 0.042, 0.030, 0.024, 0.024)
+    steps = edge_search_ranges_px(scene, 0.066, 0.054, 0.042, 0.030, 0.024, 0.024)
     starts = [
         pose
         for blob in seen
@@ -150,7 +155,7 @@ def best_fit_of_blobs(
 
 def is_plausible_blob(blob: Blob, template: OutlineTemplate) -> bool:
     """Whether a blob is of the robot's order of size and grey level."""
-    if abs(blob.skin - template.skin) > 0.5 * abs(blob.contrast):
+    if abs(blob.skin - template.core_grey_level) > 0.5 * abs(blob.contrast):
         return False
     return 0.35 * template.area_bl2 < blob.area_bl2 < 4.0 * template.area_bl2
 
@@ -179,16 +184,17 @@ def track_robot(
         None if start_px is None else scene.plane.pixels_to_body_lengths(np.array([start_px]))[0]
     )
     body = TargetBody(template, place)
-    shape = template.shape()
+    shape = template.outline_arrays()
     known = covariance_kernels(
-        *template.turned(scene.head_angle_rad), template.head_bl + template.core_bl
+        *template.turned_points_and_normals(scene.head_angle_rad),
+        template.head_bl + template.core_bl,
     )
-    steps = search_ranges_px(scene, *SEARCH_LENGTHS_BL)
+    steps = edge_search_ranges_px(scene, *TRACKING_EDGE_SEARCH_RANGES_BL)
     times: list[float] = []
     fits: list[OutlineFit | None] = []
     for frame in film:
         start = _extrapolated_pose(frame.time_s, times, fits)
-        asked = None if len(times) % STATISTICS_EVERY_FRAMES else known
+        asked = None if len(times) % STATISTICS_FRAME_INTERVAL else known
         one = (
             start
             if start is None
@@ -196,7 +202,7 @@ def track_robot(
         )
         if one is None or not is_good_fit(one, scene):
             one = redetect_robot(frame.luma, scene, body, shape)
-        body.record(None if one is None else one.pose)
+        body.record_pose(None if one is None else one.pose)
         times.append(frame.time_s)
         fits.append(None if one is None else with_traced_tail(frame.luma, scene, template, one))
     return times, fits
@@ -224,12 +230,14 @@ def with_traced_tail(
     x, y, heading, _ = one.pose
     back = np.array([math.cos(heading), math.sin(heading)])
     base_bl = np.array([x, y]) - template.core_bl * back
-    ends = scene.plane.pixels(np.stack([base_bl, base_bl - template.tail_bl * back]))
+    ends = scene.plane.body_lengths_to_pixels(
+        np.stack([base_bl, base_bl - template.tail_bl * back])
+    )
     along = ends[1] - ends[0]
     back_rad, length_px = math.atan2(along[1], along[0]), float(np.hypot(*along))
     pictures = (frame, scene.floor)
-    tail = trace_tail(pictures, ends[0], back_rad, length_px, template.skin)
-    seen_px = tail_length(pictures, ends[0], back_rad, length_px, template.skin)
+    tail = trace_tail(pictures, ends[0], back_rad, length_px, template.core_grey_level)
+    seen_px = tail_length(pictures, ends[0], back_rad, length_px, template.core_grey_level)
     stated_bl = template.head_bl + template.core_bl + template.tail_bl
     longer_bl = (seen_px - length_px + one.nose_px) * template.tail_bl / length_px
     return replace(one, tail=tail, length=1.0 + longer_bl / stated_bl)

@@ -10,8 +10,8 @@ import numpy as np
 from numba import njit
 from scipy.interpolate import CubicSpline
 
-from bluekoi.synthetic.laws import Recoil
-from bluekoi.synthetic.tank import TrialMotion
+from bluekoi.synthetic.ground_truth_physics import Recoil
+from bluekoi.synthetic.motion_simulation import TrialMotion
 from validation.generators.concealed.swimmer.drive import frequency, head_angle, thrust
 from validation.generators.concealed.swimmer.further_forces import (
     drag_over_speed,

@@ -17,8 +17,8 @@ from bluekoi.report.overlay import (
     write_trial_overlay,
 )
 from bluekoi.report.overlay_frame import (
-    BEFORE_BGR,
     AFTER_BGR,
+    BEFORE_BGR,
     KEYPOINT_BGR,
     MEASURED_BGR,
     OverlayContent,

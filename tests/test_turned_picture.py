@@ -11,7 +11,7 @@ from exact_campaign import make_trial
 from test_pose import circle_poses, keypoint_positions
 
 from bluekoi.camera import pool_camera, pool_to_pixels
-from bluekoi.camera.turned_picture import turned_picture_sums, turned_picture_warnings
+from bluekoi.camera.turned_picture import half_turn_regression_sums, turned_picture_warnings
 from bluekoi.cli import main
 from bluekoi.data import BODY_PART_NAMES, Keypoints
 from bluekoi.study import load_study
@@ -47,7 +47,7 @@ def turned(camera, found: Keypoints) -> Keypoints:
 
 def warnings(camera, keypoints) -> list[str]:
     statuses = {
-        name: {"ok": True, "turned_picture": turned_picture_sums(camera, found, DEPTH_M)}
+        name: {"ok": True, "turned_picture": half_turn_regression_sums(camera, found, DEPTH_M)}
         for name, found in keypoints.items()
     }
     return list(turned_picture_warnings(TRIALS, statuses))
@@ -57,7 +57,7 @@ def warnings(camera, keypoints) -> list[str]:
 def test_a_turned_trial_is_named_and_no_other(camera, seed):
     good = {name: seen_robot(camera, 100 * seed + k) for k, name in enumerate(TRIALS)}
     assert warnings(camera, good) == []
-    far = max(good, key=lambda name: turned_picture_sums(
+    far = max(good, key=lambda name: half_turn_regression_sums(
         camera, good[name], DEPTH_M)["core"]["rms"])  # fmt: skip
     (text,) = warnings(camera, good | {far: turned(camera, good[far])})
     assert f"Trial {far}: keypoints/{far}.csv: found rigid lengths" in text
@@ -68,7 +68,7 @@ def test_a_turned_trial_is_named_and_no_other(camera, seed):
 def test_larger_errors_of_a_length_are_no_turned_picture(camera, error):
     """5 % everywhere in one trial, where turning the picture changes lengths by less than 3 %."""
     good = {name: seen_robot(camera, k) for k, name in enumerate(TRIALS)}
-    record = turned_picture_sums(camera, good["T01"], DEPTH_M)
+    record = half_turn_regression_sums(camera, good["T01"], DEPTH_M)
     assert record["core"]["rms"] < 0.03
     assert warnings(camera, good | {"T01": seen_robot(camera, 0, length_error=error)}) == []
 
@@ -78,7 +78,7 @@ def test_few_trials_and_missing_parts_are_not_judged(camera):
     two = dict(list(good.items())[:2])
     assert warnings(camera, two | {"T01": turned(camera, two["T01"])}) == []
     lost = replace(good["T01"], likelihood=np.zeros((90, 5)))
-    assert turned_picture_sums(camera, lost, DEPTH_M) == {}
+    assert half_turn_regression_sums(camera, lost, DEPTH_M) == {}
     assert warnings(camera, good | {"T01": lost}) == []
 
 

@@ -34,11 +34,12 @@ MIN_TRIALS = 3
 """Trials of one length without which no length is that of most trials."""
 
 
-def turned_picture_sums(
+def half_turn_regression_sums(
     camera: PoolCamera, found: Keypoints, depth_m: float
 ) -> dict[str, dict[str, float]]:
-    """Sums over the frames of a trial, by length of `LENGTHS`, as status/ID.json holds them:
-    median `length_m` and, with weights 1 / noise^2 of d, the sums of p^2, p and p d.
+    """Sums over the frames of a trial, by rigid part of `COMPARED_RIGID_LENGTHS`, as
+    status/ID.json holds them: median `length_m`, `rms` and, with weights 1 / noise^2 of d, the sums
+    of p^2, p and p d.
     """
     turned_px = np.array(camera.size_px, dtype=float) - 1.0 - found.xy_px
     places = {}
@@ -76,7 +77,8 @@ def _turned_regression_sums(given_m: Float, turned_m: Float, std_m: float) -> di
 def turned_picture_warnings(
     trials: Mapping[str, Trial], statuses: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[str]:
-    """A sentence for each trial whose lengths show a turned picture, by `turned_picture_sums`.
+    """A sentence for each trial whose lengths show a turned picture, by
+    `half_turn_regression_sums`.
 
     Odds of a turned over a right picture (b = 1 over b = 0) exceed the number of trials over
     `TURNED_PICTURE_FALSE_ALARM_PROBABILITY`, so that a study of right pictures has a warning with

@@ -21,11 +21,16 @@ At the time t since the start of the trial, the head angle is
   and the head does not oscillate. With w = 1 (and n = 1, q = 0), the head oscillates about its
   angle, as in a lag of second order with the damping ratio (1 + b^2)^(-1/2).
 
-While the servo moves, the core turns by the share c of the change of the head angle: psi' = r + c
-phi', with the heading psi of the core and the yaw rate r. The head turns by the share 1 - c in the
-opposite direction. With c = 0, the core keeps its direction. With c = 1, the head keeps its
-direction. This agrees with Eq. 8 of the paper, whose state is the direction of the head; in the
-paper, however, a trial has only one head angle. With k = 0, c makes no difference.
+The water turns the robot with the yaw rate r. While the servo moves, it turns the core by the share
+c of the change of the head angle phi, and the head by the share 1 - c in the opposite direction.
+The heading psi of the core therefore changes by
+
+    psi' = r + c phi'.
+
+With c = 0, the servo turns the head alone. With c = 1, it turns the core alone; this agrees with
+Eq. 8 of the paper, whose state is the direction of the head. In the paper, a trial has only one
+head angle, so that its trials do not determine c. With k = 0, the servo does not move, and c has no
+effect.
 
 Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response)
 and 4.6 (underdamped second-order response).

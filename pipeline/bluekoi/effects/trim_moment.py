@@ -4,10 +4,10 @@ With the speed V, the flapping frequency f and the area A of the head plate, the
 
     N = 1/2 rho A c V0^2 ((1 - w) (V / V0)^(2 p) + w (f / f0)^2),   V0 = 0.3 m/s, f0 = 3.5 Hz
 
-At V = V0 and f = f0, the moment is that of the force 1/2 rho A V0^2 on an arm of the length c.
-p = 1 describes an asymmetric hull, whose moment is proportional to V^2. p = 0 describes a constant
-moment, as of a cable. The part w of the moment is proportional to the thrust, as for a misaligned
-tail.
+V0 and f0 are a speed and a frequency that the published robot reaches. At V = V0 and f = f0, the
+moment is that of the force 1/2 rho A V0^2 at a lever arm of the length c. The share w of the moment
+is proportional to the thrust, as for a misaligned tail. The rest is proportional to V^(2 p): with
+p = 1 to V^2, as for an asymmetric hull; with p = 0 it is constant, as for a cable that pulls.
 
 The moment turns a robot with a straight head always to the same side. With p > 0, it vanishes if
 robot and tail are at rest.

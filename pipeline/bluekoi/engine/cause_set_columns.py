@@ -66,8 +66,10 @@ class CauseSetColumns:
 
 
 @dataclass(frozen=True)
-class _CauseSetColumn:
-    """One column of a set: its place in the expansion, prior precision, value at the expansion."""
+class _SetParameter:
+    """A parameter of a set: place and value in the expansion, prior precision, and whether the fit
+    has the prior already.
+    """
 
     index: int
     precision: float
@@ -81,7 +83,7 @@ def columns_of_cause_set(
 ) -> CauseSetColumns:
     """`CauseSetColumns` of a set of causes in an expansion about any set."""
     values, count = expansion.model.fit.values, len(problem.coefficients)
-    columns = [_CauseSetColumn(i, 0.0, gaussian=False, at=float(values[i])) for i in range(count)]
+    columns = [_SetParameter(i, 0.0, gaussian=False, at=float(values[i])) for i in range(count)]
     blocks: dict[str, np.ndarray] = {}
     for cause in causes:
         inside = cause in expansion.model.causes
@@ -133,7 +135,7 @@ def prior_precisions_given_stds(
 
 def _columns_of_fitted_cause(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, candidate: CandidateCause
-) -> tuple[list[_CauseSetColumn], list[_CauseSetColumn]]:
+) -> tuple[list[_SetParameter], list[_SetParameter]]:
     """Strengths and forms of a cause that is in the expanded set.
 
     The likelihood of a fit includes normal priors of forms; one that is uniform between bounds
@@ -144,19 +146,19 @@ def _columns_of_fitted_cause(
     own = [f for f in candidate.strengths if f.label in place]
     sizes = plausible_strengths(problem, candidate.name)[: len(own)]
     values = [float(model.fit.values[place[f.label]]) for f in own]
-    strengths = [_CauseSetColumn(place[f.label], size**-2.0, gaussian=False, at=value)
+    strengths = [_SetParameter(place[f.label], size**-2.0, gaussian=False, at=value)
                  for f, size, value in zip(own, sizes, values, strict=True)]  # fmt: skip
     free = [f for f in candidate.forms if f.label in place]
     included = [bool(np.isfinite(parameter_definition(system, f).spread)) for f in free]
     precisions = form_prior_precision(system, free)
-    forms = [_CauseSetColumn(place[f.label], float(precision), True, included=one)
+    forms = [_SetParameter(place[f.label], float(precision), True, included=one)
              for f, precision, one in zip(free, precisions, included, strict=True)]  # fmt: skip
     return strengths, forms
 
 
 def _columns_of_unfitted_cause(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, candidate: CandidateCause
-) -> tuple[list[_CauseSetColumn], list[_CauseSetColumn]]:
+) -> tuple[list[_SetParameter], list[_SetParameter]]:
     """Strengths of a cause that is not in the expanded set, and the differences of its forms, which
     are as large as the strength.
     """
@@ -164,14 +166,14 @@ def _columns_of_unfitted_cause(
     sizes = plausible_strengths(problem, candidate.name)
     known = expansion.model.discrepancy
     strengths = [
-        _CauseSetColumn(i, float(size**-2.0), gaussian=False, at=known.get(f.label, 0.0))
+        _SetParameter(i, float(size**-2.0), gaussian=False, at=known.get(f.label, 0.0))
         for f, i, size in zip(candidate.strengths, columns, sizes, strict=True)
     ]
     forms = expansion.forms[candidate.name]
     if not forms:
         return strengths, []
     size = _expected_strength(problem, expansion, candidate)
-    return strengths, [_CauseSetColumn(i, size**-2.0, gaussian=True) for i in forms]
+    return strengths, [_SetParameter(i, size**-2.0, gaussian=True) for i in forms]
 
 
 def _expected_strength(
@@ -228,7 +230,7 @@ def _discrepancy_columns(
     problem: CauseSearchProblem,
     expansion: LikelihoodExpansion,
     relative: Mapping[str, Mapping[int, float]],
-) -> list[_CauseSetColumn]:
+) -> list[_SetParameter]:
     """Residual terms that may stem from the formula of one of the causes: their prior deviation
     makes their force `MAX_RELATIVE_DISCREPANCY_STD` times that of the cause in the same channel.
     """
@@ -242,9 +244,7 @@ def _discrepancy_columns(
         for free, column in zip(problem.candidate_by_name[name].strengths, own, strict=True)
     }
     return [
-        _CauseSetColumn(
-            i, (MAX_RELATIVE_DISCREPANCY_STD * size) ** -2.0, gaussian=True, at=fitted[i]
-        )
+        _SetParameter(i, (MAX_RELATIVE_DISCREPANCY_STD * size) ** -2.0, gaussian=True, at=fitted[i])
         for i, size in largest.items()
     ]
 
@@ -269,10 +269,10 @@ def _residual_strength_equal_to_cause(
 
 def _columns_of_tolerated_offsets(
     problem: CauseSearchProblem, expansion: LikelihoodExpansion, causes: Sequence[str]
-) -> list[_CauseSetColumn]:
+) -> list[_SetParameter]:
     """Strengths that are 0 only within the tolerance of careful work, of causes not in the set."""
     return [
-        _CauseSetColumn(
+        _SetParameter(
             column,
             problem.tolerances[free.name] ** -2.0,
             gaussian=True,

@@ -32,7 +32,7 @@ MAX_ERROR_SOURCES_SHOWN = 9
 """Possible errors of the geometry that are drawn, at most."""
 DETECTABLE_ERROR_SOURCE_COLOUR = "#56B4E9"
 SMALLEST_PRINTED_STD_ERROR_PCT = 0.01
-"""Smallest standard deviation that is printed as a number, %."""
+"""Smallest standard error that is printed as a number, %."""
 MIN_COLOUR_LIMIT_PCT = 0.05
 """Smallest colour limit of the maps, %: the accuracy of the detector."""
 LOG_AXIS_HEADROOM_FACTOR = 6.0

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-MAX_FREQUENCY_SPREAD_SHARE = 0.2
-"""Frequencies at one power differ by less: an emptying battery loses some 15 % of its voltage."""
+MAX_RELATIVE_FREQUENCY_DIFFERENCE = 0.2
+"""Frequencies at one power differ by less, and a higher power is not slower by more: an emptying
+battery loses some 15 % of its voltage."""
 MAX_DEVIATION_FROM_LOGGED_FREQUENCY_SHARE = 0.1
 """Largest relative deviation of the flapping frequency of a trial without motor log from the median
 of the logged trials at the same power."""
@@ -77,7 +78,7 @@ def _unlogged_beat_warnings(
 def _different_frequency_warnings(groups: Mapping[float, Mapping[str, float]]) -> Iterator[str]:
     for power, hz in sorted((p, hz) for p, hz in groups.items() if hz):
         slow, fast = min(hz, key=hz.__getitem__), max(hz, key=hz.__getitem__)
-        if hz[fast] > (1 + MAX_FREQUENCY_SPREAD_SHARE) * hz[slow]:
+        if hz[fast] > (1 + MAX_RELATIVE_FREQUENCY_DIFFERENCE) * hz[slow]:
             yield (
                 f"Trials at {power:g} % power flap at {hz[slow]:.2f} Hz ({slow}) to {hz[fast]:.2f} "
                 f"Hz ({fast}). {CHECK_POWER_REMEDY}"
@@ -87,7 +88,7 @@ def _different_frequency_warnings(groups: Mapping[float, Mapping[str, float]]) -
 def _falling_frequency_warnings(groups: Mapping[float, Mapping[str, float]]) -> Iterator[str]:
     medians = {p: float(np.median(list(hz.values()))) for p, hz in sorted(groups.items())}
     for (low, slow), (high, fast) in pairwise(medians.items()):
-        if fast * (1 + MAX_FREQUENCY_SPREAD_SHARE) < slow:
+        if fast * (1 + MAX_RELATIVE_FREQUENCY_DIFFERENCE) < slow:
             yield (
                 f"Trials at {high:g} % power flap at {fast:.2f} Hz, more slowly than those at "
                 f"{low:g} % ({slow:.2f} Hz). {CHECK_POWER_REMEDY}"

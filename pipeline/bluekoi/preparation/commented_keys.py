@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 
-SECTION_PATTERN = re.compile(r"(\w+):")
-KEY_PATTERN = re.compile(r"(?P<indent>\s+)(?P<comment># )?(?P<key>\w+):(?: |$)")
+SECTION_KEY_PATTERN = re.compile(r"(\w+):")
+INDENTED_KEY_PATTERN = re.compile(r"(?P<indent>\s+)(?P<comment># )?(?P<key>\w+):(?: |$)")
 
 
 def with_commented_keys_in_place(text: str, names: Collection[str]) -> str:
@@ -18,9 +18,9 @@ def with_commented_keys_in_place(text: str, names: Collection[str]) -> str:
     keys: set[str] = set()
     commented: dict[str, tuple[int, str]] = {}
     for number, line in enumerate(lines):
-        if begin := SECTION_PATTERN.match(line):
+        if begin := SECTION_KEY_PATTERN.match(line):
             section = begin[1]
-        elif found := KEY_PATTERN.match(line):
+        elif found := INDENTED_KEY_PATTERN.match(line):
             name = f"{section}.{found['key']}"
             if not found["comment"]:
                 keys.add(name)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..camera import map_keypoints, pool_camera
 from ..camera.picture_bounds import check_within_picture
-from ..camera.turned_picture import turned_picture_sums
+from ..camera.turned_picture import half_turn_regression_sums
 from ..data import MIN_POSE_FRAMES, Keypoints, is_confident
 from ..errors import InputError, InputIssue, input_error
 from ..files import to_json_types
@@ -152,7 +152,7 @@ def _check_keypoints(study: Study, trial: Trial) -> dict[str, Any]:
         "tail_m": median_tail_length_m(positions),
         "body": body_measurements_as_json(found, positions, pose, study.setup.robot, trial),
         "exchanged_frames": exchanged,
-        "turned_picture": turned_picture_sums(camera, found, depth),
+        "turned_picture": half_turn_regression_sums(camera, found, depth),
     }
     return dict(to_json_types(status))
 

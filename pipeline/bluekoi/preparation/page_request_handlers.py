@@ -35,7 +35,7 @@ SETTINGS_CLASS_BY_SECTION: dict[str, type[BaseModel]] = {
     "robot": Robot,
     "camera": Camera,
 }
-BOARD_SUFFIXES = (
+BOARD_FILE_SUFFIXES = (
     ".png",
     ".jpg",
     ".jpeg",
@@ -293,7 +293,7 @@ def _matching_files(folder: Path, files: str) -> list[Path]:
     pattern = str(given.relative_to(given.anchor)) if given.is_absolute() else str(given)
     found = sorted(base.glob(pattern)) if any(c in pattern for c in "*?[") else [base / pattern]
     if len(found) == 1 and found[0].is_dir():
-        found = sorted(p for p in found[0].iterdir() if p.suffix.lower() in BOARD_SUFFIXES)
+        found = sorted(p for p in found[0].iterdir() if p.suffix.lower() in BOARD_FILE_SUFFIXES)
     if not found or not all(path.is_file() for path in found):
         raise input_error(folder / files, "", "no such file", "a file, or a pattern as board/*.jpg")
     return found

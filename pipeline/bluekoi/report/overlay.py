@@ -17,8 +17,8 @@ from ..footage import encode_h264, frames, open_recording
 from ..keypoints.deeplabcut import read_detections
 from ..study import Study, Trial
 from .overlay_frame import (
-    BEFORE_BGR,
     AFTER_BGR,
+    BEFORE_BGR,
     LEGEND_STRIP_HEIGHT_PX,
     MEASURED_BGR,
     BgrImage,

@@ -143,10 +143,10 @@ def _thumbnail_lines(campaign: Campaign, trial_id: str) -> tuple[tuple[str, str]
     for prefix, name in (("extended", "after"), ("joint", "before")):
         if f"{prefix}_x_m" in columns:
             found.append((name, columns[f"{prefix}_x_m"], columns[f"{prefix}_y_m"]))
-    return tuple((name, _svg_points(x, width - y)) for name, x, y in found)
+    return tuple((name, _thumbnail_svg_points(x, width - y)) for name, x, y in found)
 
 
-def _svg_points(x: Float, y: Float) -> str:
+def _thumbnail_svg_points(x: Float, y: Float) -> str:
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
     kept = np.unique(np.linspace(0, max(len(x) - 1, 0), THUMBNAIL_POINTS).round().astype(int))

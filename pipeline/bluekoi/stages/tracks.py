@@ -14,7 +14,7 @@ from ..camera.keypoint_displacement_field import remove_keypoint_displacements
 from ..camera.picture_bounds import check_within_picture
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
-from ..camera.turned_picture import turned_picture_sums
+from ..camera.turned_picture import half_turn_regression_sums
 from ..data import FlappingFrequency, SteadyState, Track, write_pose, write_track
 from ..errors import InputError, input_error
 from ..files import read_json
@@ -114,7 +114,7 @@ def _write_track(study: Study, trial: Trial, layout: ResultPaths) -> dict[str, A
         "tail_m": median_tail_length_m(positions),
         "body": body_measurements_as_json(found, positions, pose, study.setup.robot, trial),
         "exchanged_frames": exchanged,
-        "turned_picture": {} if displaced else turned_picture_sums(camera, found, depth),
+        "turned_picture": {} if displaced else half_turn_regression_sums(camera, found, depth),
         "pool_edges": edges,
     }
 

@@ -88,7 +88,7 @@ def hand_parts_at_time(
     return parts
 
 
-def second_body(time_s: float, pool_m: tuple[float, float]) -> list[DrawnShape]:
+def toy_fish_shapes(time_s: float, pool_m: tuple[float, float]) -> list[DrawnShape]:
     """A dark toy fish, half the robot's size, that wanders about the pool at about 0.15 m/s."""
     length, width = pool_m
     angle = 0.28 * time_s + 0.6

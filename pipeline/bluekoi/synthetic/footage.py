@@ -77,7 +77,7 @@ def render_frame(
     state, now = design.conditions, float(trial.time_s[number])
     planes = add_light(stage, offset + number)
     if state.second_body:
-        other = distractors.second_body(now, trial.tank.pool_m)
+        other = distractors.toy_fish_shapes(now, trial.tank.pool_m)
         draw_body(planes, stage, [other], height_m=distractors.SECOND_BODY_HEIGHT_ABOVE_WATER_M)
     within = (np.arange(state.sub_frames) + 0.5) / state.sub_frames - 0.5
     draw_robot(

@@ -16,7 +16,7 @@ VALUE_OPCODES = {
     "UNICODE", "BINUNICODE", "SHORT_BINUNICODE", "BINUNICODE8", "STRING", "BINSTRING",
     "SHORT_BINSTRING", "INT", "BININT", "BININT1", "BININT2", "LONG", "LONG1", "FLOAT", "BINFLOAT",
 }  # fmt: skip
-CONSTANT_OPCODES: dict[str, Any] = {"NONE": None, "NEWTRUE": True, "NEWFALSE": False}
+SINGLETON_OPCODES: dict[str, Any] = {"NONE": None, "NEWTRUE": True, "NEWFALSE": False}
 EMPTY_CONTAINER_OPCODES: dict[str, type] = {
     "EMPTY_LIST": list,
     "EMPTY_TUPLE": tuple,
@@ -50,8 +50,8 @@ def parse_literal(pickled: bytes) -> Any:
 def _execute_opcode(name: str, argument: Any, stack: list[Any], memo: dict[int, Any]) -> None:
     if name in VALUE_OPCODES:
         stack.append(argument)
-    elif name in CONSTANT_OPCODES:
-        stack.append(CONSTANT_OPCODES[name])
+    elif name in SINGLETON_OPCODES:
+        stack.append(SINGLETON_OPCODES[name])
     elif name in EMPTY_CONTAINER_OPCODES:
         stack.append(EMPTY_CONTAINER_OPCODES[name]())
     elif name in ("PROTO", "FRAME"):

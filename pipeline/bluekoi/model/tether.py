@@ -25,17 +25,9 @@ from ..integrate import Effect, Parameter
 EFFECT_KIND = "residual"
 SurgeSwayYaw = tuple[float, float, float]
 POOL_CENTRE_FRACTIONS = (0.5, 0.5)
-WALL_ANCHOR_POINT_FRACTIONS = (
-    (0.0, 0.0),
-    (0.0, 0.5),
-    (0.0, 1.0),
-    (0.5, 0.0),
-    (0.5, 1.0),
-    (1.0, 0.0),
-    (1.0, 0.5),
-    (1.0, 1.0),
+WALL_ANCHOR_POINT_FRACTIONS = tuple(
+    (a, b) for a in (0.0, 0.5, 1.0) for b in (0.0, 0.5, 1.0) if (a, b) != POOL_CENTRE_FRACTIONS
 )
-"""Corners of the pool and middles of its walls, in its length and width."""
 TRIED_SLACK_OVER_POOL_LENGTH = 0.25
 """Slack that is tried besides none, over the length of the pool: a start of fits, without a part in
 the evidence."""
@@ -63,27 +55,13 @@ def _cable_slack_parameter(tries: tuple[float, ...]) -> Parameter:
 
 
 ANCHOR_POINT_PARAMETERS = (
-    Parameter(
-        "length_share",
-        "1",
-        POOL_CENTRE_FRACTIONS[0],
-        0.0,
-        1.0,
-        "x of the point, over the pool's length",
-        tries=tuple(a for a, _, _ in TRIED_ANCHOR_POINTS_AND_SLACKS),
-        symbol="a",
-    ),
-    Parameter(
-        "width_share",
-        "1",
-        POOL_CENTRE_FRACTIONS[1],
-        0.0,
-        1.0,
-        "y of the point, over the pool's width",
-        tries=tuple(b for _, b, _ in TRIED_ANCHOR_POINTS_AND_SLACKS),
-        symbol="b",
-    ),
-)
+    Parameter("length_share", "1", POOL_CENTRE_FRACTIONS[0], 0.0, 1.0,
+              "x of the point, over the pool's length", symbol="a",
+              tries=tuple(a for a, _, _ in TRIED_ANCHOR_POINTS_AND_SLACKS)),
+    Parameter("width_share", "1", POOL_CENTRE_FRACTIONS[1], 0.0, 1.0,
+              "y of the point, over the pool's width", symbol="b",
+              tries=tuple(b for _, b, _ in TRIED_ANCHOR_POINTS_AND_SLACKS)),
+)  # fmt: skip
 
 
 def cable_force_towards_point(

@@ -15,6 +15,8 @@ from exact_campaign import campaign_with_damping_found, exact_campaign
 from bluekoi import figures
 from bluekoi.camera.homography_camera import homography_camera
 from bluekoi.campaign import Campaign
+from bluekoi.measurement import keypoint_bias
+from bluekoi.mismatch.measured_cause import measured_cause_json, with_measured_cause
 from bluekoi.model import PUBLISHED_FLAP_HZ
 from bluekoi.report.findings import campaign_warnings, verdict_texts
 from bluekoi.report.media import embedded_overlay_clips
@@ -151,6 +153,22 @@ def test_names_and_variables_are_written_in_words(tmp_path, campaign_with_causes
     assert "sway speed, positive to the left (m/s)" in text
     assert "here tail fin lift and crossflow drag part most" in text
     assert "linear yaw damping: N_r (N m s)" in text
+
+
+def test_a_measured_cause_has_standard_errors_instead_of_a_probability(
+    tmp_path, campaign_with_causes
+):
+    measured = measured_cause_json(
+        keypoint_bias, {}, regime="all frames", sigmas=40.2, sentence="The hinge is displaced."
+    )
+    mismatch = with_measured_cause(
+        {**campaign_with_causes.mismatch, "causes": []}, measured, sentence="Keypoints."
+    )
+    text = write_page(replace(campaign_with_causes, mismatch=mismatch), tmp_path)
+    assert "The hinge is displaced." in text
+    assert "40 standard errors from 0" in text
+    assert "Probability, relative to the alternatives" not in text
+    assert "<dt>Channels</dt>" not in text
 
 
 def test_no_condition_is_suggested_for_a_difference_below_the_noise(tmp_path, campaign_with_causes):

@@ -18,7 +18,8 @@ def measured_cause_json(
     """Entry of `causes` in mismatch.json, of the effect in a module of `measurement`.
 
     parameters: as of other causes. sigmas: distance of the measured value from 0 in standard
-    errors, which gives the gain of log evidence sigmas^2 / 2.
+    errors, which gives the gain of log evidence sigmas^2 / 2. The entry states it as
+    `measured_standard_errors`, which causes found by the search do not have.
     """
     name = effect.__name__.rsplit(".", 1)[1]
     return {
@@ -30,6 +31,7 @@ def measured_cause_json(
         "weight": 1.0,
         "credible_set": [name],
         "log_evidence_gain": 0.5 * sigmas**2,
+        "measured_standard_errors": sigmas,
         "sentence": sentence,
     }
 

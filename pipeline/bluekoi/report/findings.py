@@ -26,13 +26,16 @@ from .template import VERDICT_HEADINGS, verdict_heading
 
 @dataclass(frozen=True)
 class CauseText:
-    """One cause as text."""
+    """One cause as text. Of a cause that was measured directly, `measured` states how far from 0;
+    it acts on what was measured instead of on forces, and has no probability.
+    """
 
     name: str
     sentence: str
     regime: str
     channels: str
     weight: str
+    measured: str
     parameters: tuple[str, ...]
     credible_set: str
 
@@ -217,13 +220,15 @@ def _cause_text(entry: dict[str, Any]) -> CauseText:
         + (f": {cell['meaning']}" if cell.get("meaning") else "")
         for name, cell in (entry.get("parameters") or {}).items()
     ]
-    others = entry.get("credible_set") or []
+    others, sigmas = entry.get("credible_set") or [], entry.get("measured_standard_errors")
+    channels = () if sigmas else entry.get("channels") or ()
     return CauseText(
         name=readable_name(str(entry["name"])),
         sentence=str(entry.get("sentence") or ""),
         regime=str(entry.get("regime") or ""),
-        channels=", ".join(FORCE_NAMES.get(name, name) for name in entry.get("channels") or []),
-        weight=format_probability(entry.get("weight")),
+        channels=", ".join(FORCE_NAMES.get(name, name) for name in channels),
+        weight="" if sigmas else format_probability(entry.get("weight")),
+        measured=f"{sigmas:.0f} standard errors from 0" if sigmas else "",
         parameters=tuple(parameters),
         credible_set=", ".join(readable_name(str(name)) for name in others)
         if len(others) > 1

@@ -14,6 +14,8 @@ from .gram import compute_column_products
 from .series import TrialSeries, observations_and_weights, padded_arrays
 
 FIT_HORIZON_SHARES = (0.25, 0.5, 1.0)
+"""First a quarter of each trial is fitted, then half, then all of it: a model that would run away
+from a rough start is led to a fine one."""
 START_STATE_DIFFERENCE_STEP = 1e-4
 """Size of the differences in the starting states, in their SI units."""
 

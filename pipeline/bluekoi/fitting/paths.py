@@ -25,6 +25,7 @@ from ..data import Float
 from ..integrate import LANES, CompiledSystem
 from ..integrate.batch import map_ranges_in_threads, simulate_batch
 from .bounded_step import bounded_step
+from .free_run import FIT_HORIZON_SHARES, START_STATE_DIFFERENCE_STEP
 from .gram import compute_column_products
 from .joint_fit import CONVERGED, STALLED, ParameterFit, free_parameter_definitions
 from .normal import NormalEquationsByTrial
@@ -37,11 +38,9 @@ PREDICTION_ERRORS, TRAJECTORIES = "prediction errors", "trajectories"
 MAX_TRAJECTORY_PARAMETERS = LANES - 1
 """Starting states and parameters of a trial: each has a lane beside that of the simulation at the
 point itself."""
-START_STATE_DIFFERENCE_STEP = 1e-4
-FIT_HORIZON_SHARES, COARSE_ITERATIONS = (0.25, 0.5, 1.0), 6
-"""First a quarter of each trial is fitted, then half, at most so many rounds, in longer steps of
-the integrator, then all of it: a model that would run away from a rough start is led to a fine
-one."""
+COARSE_ITERATIONS = 6
+"""Largest number of rounds of a fit to a part of each trial (`FIT_HORIZON_SHARES`), in longer steps
+of the integrator."""
 TRIALS_PER_SIMULATION_BATCH = 64
 """Trials simulated in one call: more would not stay in the processor's cache."""
 

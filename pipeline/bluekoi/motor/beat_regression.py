@@ -12,7 +12,7 @@ TAIL_ANGLE_KEYPOINTS = ("tail_tip", "tail_base", "core_center")
 FREQUENCIES_PER_BATCH = 32
 """Frequencies whose spectrum is computed at once: their arrays stay in the cache."""
 BEATS_PER_SLOW_TREND_TERM = 3.0
-"""The slow background has one spline knot per so many beats."""
+"""Beats per term of the Chebyshev polynomial that describes the slow background."""
 
 
 def beat_signal(source: KeypointPositions | Pose) -> tuple[Float, Float]:

@@ -1,4 +1,4 @@
-"""Compiled kalman_numba of the filterpy filter, for the search over the process noise.
+"""Compiled version of the filterpy filter, for the search over the process noise.
 
 The same recursions as `kalman_filterpy`, proved equal in the tests; the smoother is the modified
 Bryson-Frazier form, which inverts only the innovation covariance.

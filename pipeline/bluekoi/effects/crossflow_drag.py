@@ -1,20 +1,23 @@
 """Cross-flow drag of core and tail by strip theory.
 
-A section of the body at the distance x ahead of the centre of mass moves sideways with the speed w
-= v + x r. The side force dY on a section of the length dx, and the yaw moment N of all sections,
-are
+A section of the body at the distance x ahead of the centre of mass moves sideways at the speed
+w = v + x r, with the sway velocity v and the yaw rate r. In straight swimming, w is 0 and the
+cross-flow drag vanishes. The side force dY on a section of the length dx, and the yaw moment N of
+all sections, are
 
     dY = -1/2 rho C d_x w ((1 - e) |w| + e (|w| w_1)^(1/2)) dx,  w = v + x r,  w_1 = 0.1 m/s
     N = integral x dY
 
-C is the drag coefficient. With e = 0, the force is quadratic in w. The part e of the force grows as
-w^(3/2), as with a drag coefficient that falls with the Reynolds number. Both forms are equal at the
-sideways speed w_1. The force vanishes in straight swimming.
+- rho: density of the water; C: drag coefficient of a section;
+- d_x: height of the body at x (m);
+- e: weight of a force that grows as w^(3/2), as with a drag coefficient that falls with the
+  Reynolds number. With e = 0, the force is quadratic in w. Both forms are equal at the sideways
+  speed w_1.
 
-d_x is the height of the body at x. It falls linearly from (1 + q) times the span of the head at the
-hinge to (1 - q) times this span at the tail base. The force is integrated from the hinge to the
-tail base (five Gauss points). The tail behind the tail base is added as one more section, whose
-height is j times the span of the head.
+The height d_x of the body falls linearly from the hinge of the head to the tail base. With the
+taper q, d_x is 1 + q times the span of the head at the hinge, and 1 - q times this span at the tail
+base. Between hinge and tail base, five Gauss points integrate the force. The tail behind the tail
+base is one more section. Its height is j times the span of the head.
 
 Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 3; Fossen, Handbook of Marine Craft Hydrodynamics
 (2011), sec. 6.4.3 (cross-flow drag, ITTC strip form).
@@ -38,12 +41,13 @@ EFFECT_DESCRIPTION = (
 MOST_VISIBLE_WHERE = "tight turns with much sideways motion"
 CONFUSED_WITH = ("tail_fin_lift", "linear_yaw_damping", "stall")
 EFFECT_PARAMETERS = (
-    Parameter("drag_coefficient", "1", 0.5, 0.0, 5.0, "of a section across the flow", symbol="C"),
+    Parameter("drag_coefficient", "1", 0.5, 0.0, 5.0, "drag coefficient of a section across the flow",
+              symbol="C"),
     Parameter("taper", "1", 0.1, -0.8, 0.8, "height at the hinge over the mean height, minus 1",
               spread=0.3, symbol="q"),
     Parameter("tail_depth", "1", 0.0, 0.0, 3.0, "height of the tail behind its base, in head spans",
               spread=0.5, symbol="j"),
-    Parameter("reynolds_share", "1", 0.0, 0.0, 1.0, "part that grows as the 1.5th power",
+    Parameter("reynolds_share", "1", 0.0, 0.0, 1.0, "weight of a drag that grows as w^1.5",
               spread=0.5, symbol="e"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

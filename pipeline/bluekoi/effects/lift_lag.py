@@ -1,18 +1,24 @@
 """Lift that follows the angle of attack with a delay.
 
-The lift of the head plate, 1/2 rho A C_La V^2 sin 2 alpha, does not follow the angle of attack
-alpha and the speed V at once. It approaches its steady value while the robot travels about s head
-lengths h. The quantities z and y have this lag:
+In steady motion, the lift of the head plate is 1/2 rho A C_La V^2 sin 2 alpha, with the angle of
+attack alpha and the speed V. After a change of alpha or V, the lift approaches its new value while
+the robot travels about s head lengths h. The states z and y describe this lag:
 
     z' = (V^(2 - e) sin 2 alpha - z) V / (s h),    y' = (z - y) V / (s h)
 
-The lift consists of two parts. The share 1 - k follows V^2 sin 2 alpha at once. In the share k,
-V^e ((1 - w) z + w y) replaces V^2 sin 2 alpha. In the yaw moment q C_Ma sin 2 alpha of the head,
-the share that lags is m k. The effect vanishes in steady motion.
+In the lift, V^2 sin 2 alpha is replaced by
 
-With w = 0, the lag is of first order. With w = 1, there are two lags in series: the flow turns, and
-then the circulation follows. The exponent e determines what lags: the force (e = 0), the
-circulation (e = 1), or the lift coefficient (e = 2).
+    (1 - k) V^2 sin 2 alpha + k V^e ((1 - w) z + w y)
+
+- z, y: values of V^(2 - e) sin 2 alpha after one lag and after two lags in series;
+- k: share of the lift that lags. The yaw moment q C_Ma sin 2 alpha of the head, with
+  q = 1/2 rho A V^2, lags in the same way with m k instead of k;
+- w: weight of the second-order lag. With w = 0, the lag is of first order. With w = 1, there are
+  two lags in series: the flow turns, and then the circulation follows;
+- e: exponent that determines what lags: the force (e = 0), the circulation (e = 1), or the lift
+  coefficient (e = 2).
+
+The effect vanishes in steady motion.
 
 Source: Leishman, Principles of Helicopter Aerodynamics (2006), sec. 8.10 (Wagner's indicial lift)
 and ch. 9 (lags of pressure and boundary layer in series).
@@ -35,12 +41,12 @@ EFFECT_PARAMETERS = (
     Parameter("lagging_share", "1", 0.5, 0.0, 1.2, "share of the lift that lags", symbol="k"),
     Parameter("build_up_lengths", "1", 4.0, 0.1, 20.0, "head lengths travelled as lift builds up",
               symbol="s"),
-    Parameter("second_order_share", "1", 0.0, 0.0, 1.0, "part that lags twice",
+    Parameter("second_order_share", "1", 0.0, 0.0, 1.0, "weight of two lags in series",
               spread=0.5, symbol="w"),
     Parameter("speed_exponent", "1", 1.0, 0.0, 2.0, "power of the speed that acts without lag",
               spread=0.5, symbol="e"),
     Parameter("moment_share", "1", 0.0, 0.0, 1.2,
-              "share of the moment that lags, over that of the lift", spread=0.5, symbol="m"),
+              "share of the yaw moment that lags, over that of the lift", spread=0.5, symbol="m"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {
     "force": {"speed_exponent": 0.0},

@@ -1,26 +1,29 @@
 """One eddy that fills the pool.
 
-The flow in a pool of length L and width W is a weighted sum of two flows, a cell and a vortex, with
-the weights 1 - b and b.
+The velocity of the water is a weighted sum of two flows. The flow with the weight 1 - b is a cell:
+an eddy that fills the pool. The flow with the weight b is a vortex about the middle of the pool.
 
-The stream function of the cell is proportional to sin(pi x / L) sin(pi y / W) at the position
-(x, y), so that no water crosses the walls. G is the largest speed along the long walls. The part c
-of the cell is replaced by two eddies side by side, which rotate in opposite directions. Their
-stream function is proportional to sin(2 pi x / L) sin(pi y / W).
+No water of the cell crosses the walls. At the position (x, y) in a pool of the length L and the
+width W, the stream function of the cell is proportional to
 
-The vortex rotates about the middle of the pool. At the distance D from the middle, the speed of the
-water is
+    (1 - c) sin(pi x / L) sin(pi y / W) + c sin(2 pi x / L) sin(pi y / W)
+
+- c: weight of two eddies side by side, which rotate in opposite directions. With c = 0, one eddy
+  fills the pool;
+- G: largest speed of the cell along the long walls (m/s).
+
+At the distance D from the middle of the pool, the speed of the water in the vortex is
 
     U = 2 G (D / a) / (1 + (D / a)^2)
 
-It is largest at D = a, the radius of the vortex core. With a large a, the water rotates like a
-rigid body.
+- a: radius of the vortex core (m). With a large a, the water rotates like a rigid body;
+- G: largest speed of the vortex (m/s), reached at D = a.
 
-All forces depend on the motion relative to the water at the place of the robot. The water also
-turns there: a line along the robot that moves with the water has the angular velocity Omega. In the
-formula of the yaw damping, C_Md r |r|, the yaw rate is reduced by d Omega. In the formulas of all
-other forces, it is reduced by g Omega. A robot that spans a part of the eddy feels only a share of
-Omega.
+All forces depend on the velocity of the robot relative to the water at its position. The water also
+rotates there: Omega is the angular velocity of a line along the robot that moves with the water. In
+the formula of the yaw damping, C_Md r |r|, the yaw rate r is reduced by d Omega. In the formulas of
+all other forces, it is reduced by g Omega. The factors d and g are below 1 if the robot spans a
+part of the eddy, and therefore feels only a share of Omega.
 
 Source: Batchelor, An Introduction to Fluid Dynamics (1967), sec. 7.4 (cell); Scully, MIT ASRL TR
 178-1 (1975), and Kaufmann, Ing.-Arch. 31 (1962), 1 (vortex).
@@ -46,12 +49,12 @@ EFFECT_PARAMETERS = (
     Parameter("wall_speed", "m/s", 0.01, -0.3, 0.3,
               "speed at the long walls, counter-clockwise positive", symbol="G"),
     Parameter("rotation_share", "1", 0.5, 0.0, 1.5,
-              "share of Omega that acts on core and head", spread=0.4, symbol="g"),
-    Parameter("damping_share", "1", 0.2, 0.0, 1.5, "share of Omega that acts in the yaw damping",
-              spread=0.4, symbol="d"),
-    Parameter("vortex_share", "1", 0.0, 0.0, 1.0, "part that is a vortex about the middle",
+              "share of the water's rotation that acts on core and head", spread=0.4, symbol="g"),
+    Parameter("damping_share", "1", 0.2, 0.0, 1.5,
+              "share of the water's rotation that acts in the yaw damping", spread=0.4, symbol="d"),
+    Parameter("vortex_share", "1", 0.0, 0.0, 1.0, "weight of a vortex about the middle",
               spread=0.5, symbol="b"),
-    Parameter("two_cell_share", "1", 0.0, 0.0, 1.0, "part that is two eddies side by side",
+    Parameter("two_cell_share", "1", 0.0, 0.0, 1.0, "weight of two eddies side by side",
               spread=0.5, symbol="c"),
     Parameter("core_radius", "m", 0.6, 0.15, 3.0, "radius of the core of the vortex",
               spread=0.4, symbol="a"),

@@ -1,23 +1,28 @@
 """Forces that differ between the two sides.
 
-For k > 0, the lift of the head is larger than the lift L of a symmetric head if it points to the
-left, and smaller if it points to the right. Left and right are seen along the motion of the head.
-At every angle of attack alpha, the change of the lift points to the left:
+The lift of the head to the left differs from that to the right, seen along the motion of the head.
+At every angle of attack alpha, the lift changes by a force dL to the left (to the right, if k < 0):
 
     dL = k |L| s / sqrt(s^2 + w^2),  s = |sin 2 alpha|
 
-With w = 0, the lift is 1 + k times that of a symmetric head if it points to the left, and 1 - k
-times if it points to the right. With w > 0, the sides differ less at small angles of attack.
+- L: lift of a symmetric head (N);
+- k: relative difference. With w = 0, the lift is (1 + k) |L| if it points to the left, and
+  (1 - k) |L| if it points to the right;
+- w: value of s up to which the sides differ less. With w > 0, this reduces the difference at small
+  angles of attack.
 
-Three other quantities differ between the sides. With w = 0, they are multiplied by these factors:
+Three other quantities differ between the sides. They are multiplied by these factors, of which the
+first two hold for w = 0:
 
-- the moment q C_Ma sin 2 alpha: 1 + m k if the lift points to the left, 1 - m k if to the right;
-- the drag C_Da (1 - cos 2 alpha) of the head: 1 + g if the lift points to the left, 1 - g if to the
-  right;
-- the yaw damping C_Md r |r|: 1 - n in a turn to the left, 1 + n in a turn to the right.
+- the yaw moment q C_Ma sin 2 alpha of the head: 1 + m k if the lift points to the left, 1 - m k if
+  to the right;
+- the part C_Da (1 - cos 2 alpha) of the drag coefficient of the head: 1 + g if the lift points to
+  the left, 1 - g if to the right;
+- the yaw damping C_Md r |r| at the yaw rate r: 1 - n in a turn to the left, 1 + n in a turn to the
+  right.
 
-The effect vanishes at zero angle of attack without rotation. If all turns go to one side, it cannot
-be recognised: a symmetric head with other formulas for lift and drag could cause the same motion.
+The effect vanishes at zero angle of attack without rotation. It cannot be identified if all turns
+go to one side: a symmetric head with other formulas for lift and drag could cause the same motion.
 
 Source: own statement (asymmetric hull or head cap).
 """
@@ -35,7 +40,7 @@ EFFECT_DESCRIPTION = (
     "Lift, drag or yaw damping differ between the two sides, so that turns to port and to "
     "starboard differ."
 )
-MOST_VISIBLE_WHERE = "turns, with opposite sign to port and starboard"
+MOST_VISIBLE_WHERE = "turns; the change has the opposite sign to port and to starboard"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "keypoint_bias")
 NEEDS_TURNS_TO_BOTH_SIDES = True
 STRENGTH_PARAMETER_COUNT = 3
@@ -44,11 +49,11 @@ EFFECT_PARAMETERS = (
               "lift to the left over that of a symmetric head, minus 1",
               symbol="k"),
     Parameter("damping_difference", "1", 0.05, -2.0, 2.0,
-              "share by which yaw is damped less in a turn to the left", symbol="n"),
+              "relative reduction of the yaw damping in a turn to the left", symbol="n"),
     Parameter("drag_difference", "1", 0.05, -2.0, 2.0,
               "relative excess of the drag while the lift points to the left", symbol="g"),
     Parameter("transition_sine", "1", 0.03, 0.0, 1.0,
-              "sine of 2 alpha up to which the sides differ less", spread=0.5, symbol="w"),
+              "value of |sin 2 alpha| up to which the sides differ less", spread=0.5, symbol="w"),
     Parameter("moment_share", "1", 0.0, 0.0, 1.2,
               "difference of the moment, relative to that of the lift", spread=0.5, symbol="m"),
 )  # fmt: skip

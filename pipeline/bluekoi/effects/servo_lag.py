@@ -13,27 +13,31 @@ At the time t since the start of the trial, the head angle is
   the trial before with s = 1;
 - k: share of the change phi - s phi_0 that is still missing at the start. With k = 1, the trial
   begins at the angle s phi_0, with k = 0 at the commanded angle;
-- t_d: dead time, after which the servo begins to move. The formulas hold from then on;
-- T: time constant. With q = 0, it is tau for all changes. With q = 1, it is proportional to the
-  change, as for a servo with a limited rate;
-- n: exponent. n = 1 and q = 0 is a first-order lag. A servo with a limited rate has a larger n;
-- S: factor that describes an oscillation, b its phase (rad) in a time constant. With w = 0, S = 1
-  and the head does not oscillate. With w = 1 (and n = 1, q = 0), the head oscillates about its
-  angle, as in a lag of second order with the damping ratio (1 + b^2)^(-1/2).
+- t_d: dead time (s), after which the servo begins to move. The formulas hold from then on;
+- T: time constant (s); tau: its value for a change of 45 deg;
+- q: dependence of T on the change. With q = 0, T is tau for all changes. With q = 1, T is
+  proportional to the change, as for a servo with a limited rate;
+- n: exponent. A servo with a limited rate has a larger n. With n = 1 and q = 0, the head follows
+  with a first-order lag;
+- S: factor that describes an oscillation, with the phase z (rad). b is the phase at t - t_d = T;
+- w: weight of the oscillation. With w = 0, S is 1 and the head does not oscillate. With w = 1,
+  n = 1 and q = 0, the head oscillates about its commanded angle, as in a second-order lag with the
+  damping ratio (1 + b^2)^(-1/2).
 
-The water turns the robot with the yaw rate r. While the servo moves, it turns the core by the share
-c of the change of the head angle phi, and the head by the share 1 - c in the opposite direction.
-The heading psi of the core therefore changes by
+While the servo moves, it turns the head against the core, the rigid body behind the head. The core
+makes the share c of the change of the head angle phi. The head makes the share 1 - c in the
+opposite direction. The water also turns the robot, with the yaw rate r. The heading psi of the core
+therefore changes by
 
     psi' = r + c phi'.
 
 With c = 0, the servo turns the head alone. With c = 1, it turns the core alone; this agrees with
-Eq. 8 of the paper, whose state is the direction of the head. In the paper, a trial has only one
-head angle, so that its trials do not determine c. With k = 0, the servo does not move, and c has no
-effect.
+Eq. 8 of the paper, whose state is the direction of the head. The trials of the paper do not
+determine c, because each has only one head angle. If the head stands at its commanded angle from
+the start (k = 0), the servo does not move and c has no effect.
 
-Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response)
-and 4.6 (underdamped second-order response).
+Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response) and 4.6
+(underdamped second-order response).
 """
 
 from __future__ import annotations
@@ -48,21 +52,25 @@ EFFECT_DESCRIPTION = (
     "The head does not stand at its commanded angle from the start: the servo needs time to turn "
     "it."
 )
-MOST_VISIBLE_WHERE = "the first second of turns; with s = 1, after a trial at another head angle"
+MOST_VISIBLE_WHERE = (
+    "the first second of turns; if the head starts at the angle of the trial before, after a trial "
+    "at another head angle"
+)
 CONFUSED_WITH = ("motor_spin_up", "lift_lag", "time_offset")
 EFFECT_PARAMETERS = (
     Parameter("missing_share", "1", 0.5, 0.0, 1.2, "share of the change missing at the start",
               symbol="k"),
-    Parameter("time_constant", "s", 0.4, 0.05, 1.5, "time constant", symbol="tau"),
+    Parameter("time_constant", "s", 0.4, 0.05, 1.5, "time constant of a change of 45 deg",
+              symbol="tau"),
     Parameter("rate_limit_exponent", "1", 1.5, 1.0, 5.0, "1: first-order lag, larger: limited rate",
               symbol="n"),
     Parameter("angle_dependence", "1", 0.5, 0.0, 1.0,
-              "0: same time for all changes, 1: proportional to them", symbol="q"),
-    Parameter("core_share", "1", 0.0, 0.0, 1.2, "part of the rotation that the core makes",
+              "0: same time constant for all changes, 1: proportional to them", symbol="q"),
+    Parameter("core_share", "1", 0.0, 0.0, 1.2, "share of the rotation that the core makes",
               spread=0.5, symbol="c"),
     Parameter("dead_time", "s", 0.0, 0.0, 0.6, "time in which the angle does not change",
               spread=0.15, symbol="t_d"),
-    Parameter("overshoot_share", "1", 0.0, 0.0, 1.0, "part that oscillates about the angle",
+    Parameter("overshoot_share", "1", 0.0, 0.0, 1.0, "weight of the oscillation about the angle",
               spread=0.5, symbol="w"),
     Parameter("swing_rate", "1", 3.0, 0.5, 8.0, "phase of the oscillation (rad) in a time constant",
               spread=2.0, symbol="b"),

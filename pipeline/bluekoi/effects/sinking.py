@@ -1,18 +1,19 @@
 """A robot that sinks during the trial.
 
-A sinking robot moves away from the camera. Its image shrinks towards the point c below the camera:
-a point at the position `true` is measured at the position `seen`. The trim of the robot also
-changes with the depth, so that an additional drag D acts:
+A sinking robot moves away from the camera, so that its image shrinks towards the point c below the
+camera. The trim of the robot also changes with the depth, which causes an additional drag D. A
+point at the position `true` is measured at the position `seen`:
 
     seen = c + (1 - g s(t)) (true - c),    D = -1/2 rho A c_g g s(t) V^2 v_hat
     s(t) = t ((1 - w) + w t / t_1) (1 - exp(-b t)) / (b t),  t since the start, t_1 = 4 s
 
-g is the rate at which the image shrinks, V the speed and v_hat the direction of motion. The drag
-coefficient grows by c_g times the relative shrinking g s(t) of the image.
-
-s(t) describes how the depth changes with time. If w = 0 and b t is much smaller than 1, the robot
-sinks at a constant rate: s(t) = t. w is the weight of a term proportional to t^2 (accelerated
-sinking). b (1/s) is the rate at which the robot approaches a constant depth.
+- g: rate at which the image shrinks (1/s), so that g s(t) is the relative shrinking;
+- c_g: growth of the drag coefficient over the relative shrinking of the image;
+- rho: density of the water; A: area of the head plate; V, v_hat: speed and direction of motion;
+- s(t): form of the sinking over time (s). At a constant rate of sinking, s(t) = t. This is the case
+  if w = 0 and b t is much smaller than 1;
+- w: weight of a term proportional to t^2 (accelerated sinking);
+- b: rate at which the robot approaches a constant depth (1/s).
 
 Source: own statement (the paper reports slight sinking, sec. III-A).
 """
@@ -33,11 +34,11 @@ MOST_VISIBLE_WHERE = "the late part of long trials"
 CONFUSED_WITH = ("battery_sag", "wake_reentry")
 EFFECT_PARAMETERS = (
     Parameter("shrink_rate", "1/s", 0.002, 0.0, 0.05,
-              "rate at which its image approaches the point below the camera", symbol="g"),
+              "rate at which the image shrinks towards the point below the camera", symbol="g"),
     Parameter("drag_growth_ratio", "1", 10.0, 0.0, 60.0,
               "growth of the drag coefficient over the shrinking of the image", spread=15.0,
               symbol="c_g"),
-    Parameter("quadratic_share", "1", 0.0, 0.0, 1.0, "part that grows as time squared",
+    Parameter("quadratic_share", "1", 0.0, 0.0, 1.0, "weight of a term in time squared",
               spread=0.5, symbol="w"),
     Parameter("settling_rate", "1/s", 0.002, 1e-4, 1.0, "rate at which the depth settles",
               spread=0.3, symbol="b"),

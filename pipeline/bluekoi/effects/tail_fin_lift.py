@@ -1,49 +1,53 @@
 """Core and tail as a fin.
 
-The fin has a low aspect ratio and lies at the distance a behind the centre of mass. It moves
-sideways with the speed v - a r, and its side force is that of a thin wing at a small angle.
+Core and tail act as a fin of low aspect ratio at the distance a behind the centre of mass. With the
+sway velocity v and the yaw rate r, the fin moves sideways at the speed v - a r. Its side force is
+that of a thin wing at a small angle of attack.
 
-On a long fin, the sideways speed varies along the fin. The fin is therefore represented by two
-stations, at the distances a - b and a + b behind the centre of mass. Mean and variance of the
-sideways speed over the two stations are those along the whole fin. In the following formulas, l is
-the distance of a station, w its sideways speed, dY its side force, and dX its force along the body.
-Y and N are side force and yaw moment of the fin:
+On a long fin, the sideways speed varies along the fin. Two stations therefore represent the fin, at
+the distances a - b and a + b behind the centre of mass. The sideways speed has the same mean and
+variance over the two stations as along the whole fin. Y and N are the side force and the yaw moment
+of the fin:
 
     dY = -1/2 rho S/2 (sqrt(u^2 + p w^2) + q |w|) w,  w = v - l r,  l = a - b, a + b
     Y = sum dY,  N = -sum l dY
     dX = g dY w u / (u^2 + w^2)
 
-S is the lift slope times the area of the fin. The force vanishes in straight swimming, which it
-stabilises. With p = q = 0, it also vanishes without forward speed.
+- l: distance of a station behind the centre of mass (m); w: its sideways speed (m/s); u: surge
+  velocity (m/s);
+- dY, dX: side force of a station, and its force along the body (N);
+- rho: density of the water; S: lift slope times area of the fin (m2);
+- p: factor of the sideways flow in the dynamic pressure. With p = 0, the formula is that for a wing
+  at small angles. With p > 0, the fin has cross-flow drag, or the sideways flow contributes to the
+  dynamic pressure. With p < 0, the fin stalls gradually;
+- q: coefficient of the vortex lift over that of the lift at small angles. The vortices separate at
+  the side edges of a wing of low aspect ratio. For a slender wing, q is 2 over the aspect ratio
+  (Polhamus);
+- g: ratio that determines dX. With g = 0, the force is normal to the fin. With g > 0, the fin has
+  an additional drag along the body. With g < 0, it has a forward force (leading-edge suction). With
+  g = -1 and w small compared with u, the force is normal to the flow.
+
+The fin stabilises straight swimming, in which its force vanishes. With p = q = 0 in the formula of
+dY, the force also vanishes if the surge velocity u is 0.
 
 The circulation builds up while the fin travels s head lengths h. This delay acts on the sideways
-speed at the middle of the fin: the true speed is w_a = v - a r, and the lift depends on the delayed
-speed w_e instead. At the stations, w is then w_e - (l - a) r. With the time constant T and the
-state z,
+speed at the middle of the fin: the lift depends on the delayed speed w_e instead of the true speed
+w_a. The speed w at the station l is then w_e - (l - a) r. With the time constant T and the state z,
 
     z' = (w_a - z) / T,   w_e = z + (t_0 / T) (w_a - z),   T = s h / V_a + t_0
-    V_a^2 = u^2 + w_a^2,  t_0 = 1/60 second
+    w_a = v - a r,  V_a^2 = u^2 + w_a^2,  t_0 = 1/60 second
 
-t_0 is the shortest time constant that the integrator can follow. With s = 0, the lift follows at
-once (w_e = w_a). A wing of high aspect ratio builds up half of its lift at once and the rest over a
-few chords. A wing of low aspect ratio builds up its lift faster.
+- V_a: speed of the middle of the fin (m/s);
+- t_0: shortest time constant that the integrator can follow;
+- s: head lengths travelled. With s = 0, the lift follows at once (w_e = w_a).
 
-The term with q is the lift of the vortices that separate at the side edges of a wing of low aspect
-ratio. q is the coefficient of this lift over that of the lift at small angles. For a slender wing,
-it is 2 over the aspect ratio (Polhamus).
-
-p is the share of the sideways flow in the dynamic pressure. p = 0 gives the formula for a wing at
-small angles. p > 0 describes a fin with cross-flow drag, or with a dynamic pressure to which the
-sideways flow contributes. p < 0 describes a fin that stalls gradually.
-
-g determines dX, the force of the fin along the body. With g = 0, the force is normal to the fin.
-With g > 0, the fin has an additional drag along the body. With g < 0, it has a forward force
-(leading-edge suction). With g = -1 and w small compared with u, the force is normal to the flow.
+A wing of high aspect ratio builds up half of its lift at once and the rest over a few chords. A
+wing of low aspect ratio, such as this fin, builds up its lift faster.
 
 Source: Newman, Marine Hydrodynamics (1977), sec. 5.15 (lifting bodies of small aspect ratio);
 Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low aspect ratio); R. T.
-Jones, NACA report 681 (1940) (growth of lift on wings of finite aspect ratio);
-Polhamus, NASA TN D-3767 (1966) (vortex lift).
+Jones, NACA report 681 (1940) (growth of lift on wings of finite aspect ratio); Polhamus, NASA TN
+D-3767 (1966) (vortex lift).
 """
 
 from __future__ import annotations
@@ -71,10 +75,11 @@ EFFECT_PARAMETERS = (
     Parameter("half_length", "m", 0.03, 0.0, 0.09,
               "half the distance between the two stations of the fin", spread=0.025, symbol="b"),
     Parameter("sideways_flow_share", "1", 0.2, -0.8, 4.0,
-              "share of the sideways flow in the dynamic pressure", spread=0.4, symbol="p"),
+              "factor of the sideways flow in the dynamic pressure", spread=0.4, symbol="p"),
     Parameter("vortex_share", "1", 0.0, 0.0, 4.0, "vortex lift over the lift at small angles",
               spread=1.0, symbol="q"),
-    Parameter("axial_share", "1", 0.0, -1.0, 2.0, "part of the force along the body",
+    Parameter("axial_share", "1", 0.0, -1.0, 2.0,
+              "0: force normal to the fin, -1: normal to the flow, above 0: drag",
               spread=0.5, symbol="g"),
     Parameter("build_up_lengths", "1", 0.2, 0.0, 4.0, "head lengths travelled as lift builds up",
               spread=0.5, symbol="s"),

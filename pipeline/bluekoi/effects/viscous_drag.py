@@ -4,16 +4,20 @@ At the speed V, the drag against the direction of motion v_hat is
 
     D = -k V_1^(3/2) (V / V_1)^p v_hat,  V_1 = 0.3 m/s
 
-In laminar flow, the friction coefficient is proportional to Re^(-1/2), so that the drag grows as
-V^(3/2) (p = 3/2). In creeping flow it grows as V, and in a turbulent boundary layer as V^1.8. The
-drag vanishes at rest.
+- k: coefficient (N (s/m)^1.5). The drag at the speed V_1 is k V_1^(3/2);
+- p: exponent of the speed. In laminar flow, the friction coefficient is proportional to Re^(-1/2),
+  with the Reynolds number Re, so that p = 3/2. In creeping flow p = 1, and in a turbulent boundary
+  layer p = 1.8.
 
-The part h of the drag acts at the head plate, at the distance l ahead of the centre of mass, like
+The drag vanishes at rest.
+
+The share h of the drag acts at the head plate, at the distance l ahead of the centre of mass, like
 all drag in the paper. The rest acts at the centre of mass.
 
-The component of D across the core is multiplied by c. With c = 1, the drag is opposite to the
-motion. With c = 0, it has no component across the core. This is the case in models that describe
-drag along the body and drag across it by separate terms, such as X_u u.
+The component of the drag across the core, the rigid body behind the head, is multiplied by the
+factor c. With c = 1, the drag is opposite to the motion. With c = 0, it has no component across the
+core. This is the case in models that describe the drag along the body by one term, such as X_u u,
+and the drag across it by another.
 
 Source: Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5 (laminar plate friction) and
 ch. 18 (turbulent); Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control (2011), sec.
@@ -39,9 +43,9 @@ CONFUSED_WITH = ("coulomb_friction", "thrust_loss_with_speed", "wave_drag")
 EFFECT_PARAMETERS = (
     Parameter("coefficient", "N (s/m)^1.5", 0.1, 0.0, 5.0, "force at 0.3 m/s over 0.3^1.5",
               symbol="k"),
-    Parameter("speed_exponent", "1", 1.5, 1.0, 1.9, "power of the speed with which it grows",
+    Parameter("speed_exponent", "1", 1.5, 1.0, 1.9, "power of the speed in the drag",
               spread=0.25, symbol="p"),
-    Parameter("head_share", "1", 0.0, 0.0, 1.0, "part of it that acts at the head",
+    Parameter("head_share", "1", 0.0, 0.0, 1.0, "share of the drag that acts at the head",
               spread=0.5, symbol="h"),
     Parameter("sideways_share", "1", 1.0, 0.0, 1.0, "factor of the drag across the core",
               spread=0.5, symbol="c"),

@@ -8,15 +8,16 @@ At the speed V, the drag changes by
 
     dD = -k E(n) (t_w / 6 s)^(-a) 1/2 rho A ((1 - j) V^2 + j V V_1),  V_1 = 0.3 m/s
 
-- k: share of the drag 1/2 rho A V^2 that is lost in a wake of the age 6 s, with E = 1 and j = 0;
+- rho: density of the water; A: area of the head plate;
+- k: reduction of the drag in a wake of the age 6 s, over 1/2 rho A V^2, with E = 1 and j = 0;
 - n: change of the heading since the start of the trial, in turns;
-- E(n): growth of the change with the turns. E rises smoothly from 0 to 1 as n rises from n_1 - b/2
-  to n_1 + b/2. For n > n_1, E has the additional factor 1 + g (n - n_1): the change grows by the
-  share g with each further turn;
-- t_w: age of the wake, which is the duration 2 pi / |r| of one turn at the yaw rate r;
+- E(n): growth of the change with the turns. E rises smoothly from 0 to 1 over b turns around
+  n = n_1, where the robot meets its wake. For n > n_1, E has the additional factor 1 + g (n - n_1):
+  the change grows by the share g with each further turn;
+- t_w: age of the wake (s), which is the duration 2 pi / |r| of one turn at the yaw rate r;
 - a: exponent of the decay of the wake. With a > 0, an older wake changes the drag less;
-- j: part of the change that is proportional to V, as in moving water. The rest is proportional to
-  V^2. Both forms are equal at the speed V_1.
+- j: weight of a change that is proportional to V, as in moving water. With j = 0, the change is
+  proportional to V^2. Both forms are equal at the speed V_1.
 
 Source: Tennekes and Lumley, A First Course in Turbulence (1972), sec. 4.4 (momentum wake behind a
 self-propelled body) and 4.2 (a wake that fades with its age).
@@ -35,8 +36,8 @@ MOST_VISIBLE_WHERE = "tight turns beyond 360 degrees of arc"
 CONFUSED_WITH = ("battery_sag", "sinking")
 EFFECT_PARAMETERS = (
     Parameter("drag_loss", "1", 0.2, -3.0, 3.0,
-              "share of the drag 1/2 rho A V^2 that is lost in the wake", symbol="k"),
-    Parameter("entry_turns", "1", 0.9, 0.1, 1.5, "turns after which it meets its wake",
+              "reduction of the drag in the wake, over 1/2 rho A V^2", symbol="k"),
+    Parameter("entry_turns", "1", 0.9, 0.1, 1.5, "turns until the robot meets its wake",
               spread=0.3, symbol="n_1"),
     Parameter("entry_width", "1", 0.3, 0.05, 1.5, "turns over which the change builds up",
               spread=0.45, symbol="b"),
@@ -44,7 +45,7 @@ EFFECT_PARAMETERS = (
               spread=0.4, symbol="g"),
     Parameter("age_exponent", "1", 0.0, 0.0, 2.0, "exponent of the decay of the wake with its age",
               spread=0.5, symbol="a"),
-    Parameter("linear_share", "1", 0.0, 0.0, 1.0, "part in proportion to the speed",
+    Parameter("linear_share", "1", 0.0, 0.0, 1.0, "weight of a change that grows as V",
               spread=0.5, symbol="j"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

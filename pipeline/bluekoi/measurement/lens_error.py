@@ -4,19 +4,22 @@ A point at the position `true` on the water is measured at the position
 
     seen = true + k [(rho^2 - q Q) (true - c) + a] + (p_x, p_y) (rho^2 - q Q)
 
-c is the point where the lens axis meets the water, and rho the distance of `true` from c. k is the
-radial distortion. p = (p_x, p_y) is the tangential distortion of a lens whose elements are not
-aligned.
+- c: point where the lens axis meets the water; rho: distance of `true` from c (m);
+- k: radial distortion (1/m2);
+- p_x, p_y: tangential distortion of a lens whose elements are not aligned (1/m);
+- Q (m2), a (m3): change of scale and shift by which the fitted camera pose compensates part of the
+  lens error;
+- q: change of scale relative to the computed one, q Q over Q.
 
-The pose of the camera is fitted to the corners of the pool, with the same wrong lens. The fitted
-pose therefore compensates part of the lens error: a change of scale (Q, in m2) and a shift (a, in
-m3). Q, a and c are computed once from the camera of the study
-(camera/camera_error_displacement.py). For this, the first distortion coefficient of the camera is
-changed, and the pose is fitted again. The resulting displacement of points on the water is
-approximated by the formula with q = 1.
+The pose of the camera is fitted to the corners of the pool, with the same wrong lens. It therefore
+compensates part of the lens error. To determine this part, the program changes the first distortion
+coefficient of the study's camera and fits the pose again (camera/camera_error_displacement.py). It
+then approximates the resulting displacement of points on the water by the formula with q = 1. This
+approximation gives Q, a and c.
 
-The full formula for tangential distortion is 2 (p . d) d + rho^2 p, with d = true - c. The first
-term is left out. It acts like a tilt of the camera, which the fitted pose compensates.
+The full formula for tangential distortion with the vector p = (p_x, p_y) is 2 (p . d) d + rho^2 p,
+where d is the vector from the lens axis to the point and rho its length. The model leaves out the
+first term. That term acts like a tilt of the camera, which the fitted pose compensates.
 
 Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial and tangential distortion).
 """
@@ -42,7 +45,8 @@ EFFECT_PARAMETERS = (
     Parameter("tangential_y", "1/m", 0.005, -0.3, 0.3, "tangential distortion across the pool",
               symbol="p_y"),
     Parameter("compensated_share", "1", 1.0, 0.0, 2.0,
-              "compensation by the pose, relative to the computed one", spread=0.25, symbol="q"),
+              "change of scale by the fitted pose, relative to the computed one", spread=0.25,
+              symbol="q"),
 )  # fmt: skip
 
 

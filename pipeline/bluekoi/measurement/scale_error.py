@@ -1,25 +1,32 @@
 """A wrong scale from pixels to metres.
 
-The length of the pool is stated too long by the share s_1 = e (1 + a), its width by the share
-s_2 = e (1 - a). A point at the position `true` is measured at the position `seen`. Each of the two
-errors displaces it; with X and Y the position relative to the middle of the pool,
+The length of the pool is stated too long by the share s_1, its width by the share s_2. Each error
+displaces a point from its true position `true` to the measured position `seen`:
 
     seen = true + sum over i = 1, 2 of  s_i ((g_ix X, g_iy Y) + (X, Y)(b_i . (X, Y)))
-    e = k (1 + d (2 o - 1))
+    s_1 = e (1 + a),  s_2 = e (1 - a),  e = k (1 + d (2 o - 1))
 
-- k: scale error, the mean of the errors of length and width and over the session;
-- a: half the difference of the two errors, over their mean e. With a = 1 or a = -1, only the length
-  or only the width is wrong;
-- d: trend over the session, relative to k. The scale changes if the camera or the water sinks from
-  trial to trial. o is the place of the trial in the session, from 0 (first) to 1 (last);
-- g_i (no unit), b_i (1/m): numbers of the view. Where a homography maps the corners of the pool, an
-  error of the length stretches x alone, one of the width y alone: g_1 = (1, 0), g_2 = (0, 1),
-  b_i = 0. Where the lens is known, proportions are seen right: an error of one side changes the
-  scale of both, and tilts the camera that is fitted to the corners, if it does not stand over the
-  middle (camera/camera_error_displacement.py).
+- X, Y: position relative to the middle of the pool (m);
+- e: mean of the errors s_1 and s_2 in one trial;
+- k: scale error, the mean of e over the session;
+- a: half the difference of the two errors, over their mean e. With a = 1, only the length is wrong;
+  with a = -1, only the width;
+- d: trend of e over the session, relative to k. The scale changes if the camera or the water sinks
+  from trial to trial;
+- o: place of the trial in the session, from 0 (first) to 1 (last);
+- g_i (no unit), b_i (1/m): coefficients of the displacement, which depend on the camera.
 
-Some detectors find the nose and place the other keypoints at stated lengths behind it. Then the
-formula applies to the position of the nose, and the other keypoints keep their distances from it.
+How an error of the length or the width displaces a point depends on the camera. If a homography
+maps the corners of the pool, an error of the length stretches x alone, and an error of the width
+stretches y alone. The coefficients are then g_1 = (1, 0), g_2 = (0, 1) and b_i = 0.
+
+If the lens is known, the image shows the true proportions. An error of one side of the pool then
+changes the scale along both sides. It also tilts the camera pose that is fitted to the corners,
+unless the camera stands over the middle of the pool. The coefficients g_i and b_i describe both
+(camera/camera_error_displacement.py).
+
+Some detectors find the nose and place the other keypoints at stated lengths behind it. The formula
+of `seen` then applies to the nose alone, and the other keypoints keep their distances from it.
 
 Source: own statement (pool dimensions or corner marks wrong).
 """

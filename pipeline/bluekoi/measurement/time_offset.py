@@ -1,18 +1,20 @@
 """Video, commands and motor log that do not start together.
 
 The thrust begins, at its full value, d seconds after the start of the motor in the motor log.
-Without a log, it begins d seconds after the start of the video. A negative d is a video (or log)
-that starts after the motor: in the first frame, the robot already has a speed. A pulse of thrust in
-the first 0.1 s (for the published robot) gives it this speed. The impulse of the pulse is
-C_T 1/2 rho A f^2 (-d); the drag during the time -d is neglected. A small positive d takes the same
-pulse away, so that the force is smooth at d = 0.
+Without a log, it begins d seconds after the start of the video.
 
-Only trials that begin at rest show d. If the robot swims in the first frame, d has no effect: the
-thrust of the model is a mean over the tail beat, and the initial position and velocity of the trial
-are free parameters.
+If d is negative, the video (or log) starts after the motor, and the robot already has a speed in
+the first frame. A pulse of thrust in the first 0.1 s (for the published robot) gives it this speed.
+With the thrust T = C_T 1/2 rho A f^2, the impulse of the pulse is T (-d); the drag during the time
+-d is neglected. If d is positive and below 0.1 s, the same pulse is partly subtracted, so that the
+force is a smooth function of d at d = 0.
 
-e is the time by which the clock of the motor log is ahead of the video. It is visible only in the
-phase of the tail beat (`motor/log_video_delay.py`).
+Only trials that begin at rest show the delay d of the thrust. If the robot already swims in the
+first frame, d has no effect: the thrust of the model is a mean over the tail beat, and the initial
+position and velocity of the trial are free parameters.
+
+The parameter e is the time by which the clock of the motor log is ahead of that of the video. It is
+visible only in the phase of the tail beat (`motor/log_video_delay.py`).
 
 Source: own statement.
 """

@@ -5,11 +5,12 @@ camera. If its position is `true`, it is measured at
 
     seen = true - k (1 + d (2 o - 1)) (true - c) (1 + q b rho^2),  rho = |true - c|
 
-- k: relative shift near c, the mean over the session. Its bounds in a fit are the shift of a
-  keypoint on top of the body and that of a keypoint on the floor of the pool;
-- b: increase of the relative shift with the distance from c. It is computed from the height of the
-  camera and the stated refractive index (camera/camera_error_displacement.py);
-- q: increase over the computed one. It is 1 if only the index or only the depth is wrong;
+- k: relative shift near c, the mean over the session. A fit bounds k by the shifts of a keypoint on
+  top of the body and of a keypoint on the floor of the pool;
+- b: increase of the relative shift with the distance rho from c (1/m2). It is computed from the
+  height of the camera and the stated refractive index (camera/camera_error_displacement.py);
+- q: true increase over the computed increase b. It is 1 if only the index or only the depth is
+  wrong;
 - d: trend of the shift over the session, relative to its mean. A robot that takes on water lies
   deeper from trial to trial. With d = 1, the shift grows from 0 in the first trial;
 - o: place of the trial in the session, from 0 (first) to 1 (last).
@@ -32,10 +33,10 @@ MOST_VISIBLE_WHERE = "all positions, more so towards the edges of the pool"
 CONFUSED_WITH = ("scale_error", "lens_error")
 EFFECT_PARAMETERS = (
     Parameter("inward_shift", "1", 0.005, -0.05, 0.05,
-              "share by which positions appear too close to the camera axis", symbol="k",
+              "relative shift of positions towards the point below the camera", symbol="k",
               bounded_by=("inward_min", "inward_max")),
     Parameter("bending_ratio", "1", 1.0, 0.0, 3.0,
-              "increase with the distance, relative to the computed one", spread=0.5,
+              "increase of the shift with the distance, over the computed one", spread=0.5,
               symbol="q"),
     Parameter("session_trend", "1", 0.0, -1.0, 1.0,
               "change of the shift over half a session, relative to its mean",

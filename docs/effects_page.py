@@ -41,8 +41,9 @@ the candidate has no effect. All others are shape parameters, which determine th
 effect.
 
 Many shape parameters are weights, which interpolate linearly between two forms of an effect. For
-example, "the part w grows as t^2" means: the effect is 1 - w times its basic form, plus w times a
-form that is proportional to t^2. With w = 0, only the basic form acts; with w = 1, only the other.
+example, "w: weight of a form that grows as t^2" means: the effect is 1 - w times its basic form,
+plus w times a form that is proportional to t^2. With w = 0, only the basic form acts; with w = 1,
+only the other.
 
 Starts, bounds, and the numbers with a unit in the formulas are those of the published robot (mass
 0.68 kg, length of the body 0.331 m). Those of a robot of mass m and length l follow by similarity:

@@ -2,17 +2,22 @@
 
 A body that accelerates in water must also accelerate the water around it. Kirchhoff's equations
 describe this by the added masses A11 (surge) and A22 (sway) and the added yaw inertia A66, in the
-axes of the core.
+axes of the core (the rigid body behind the head). The added mass and inertia also act when the
+robot starts from rest.
 
-The equations contain the Coriolis terms (m + A22) v r in surge and -(m + A11) u r in sway, where m
-is the mass of the robot. In yaw they contain the Munk moment -(A22 - A11) u v, which turns a body
-with A22 > A11 broadside to the flow.
+The model computes A11 and A66 from A22:
 
-A11 and A66 are computed from A22: A11 = c A22 and A66 = j A22 L^2/12, with the body length L. A
-slender body has c = 0.1 and j = 1. If a body sheds vortices at its tail, only the share e of the
-Munk moment acts.
+    A11 = c A22,  A66 = j A22 L^2 / 12
 
-The added mass and inertia also act when the robot starts from rest.
+- c: added mass in surge over that in sway. A slender body has c = 0.1;
+- j: added yaw inertia over that of a slender body, which has j = 1;
+- L: length of the body (m).
+
+The equations of motion contain the Coriolis terms (m + A22) v r in surge and -(m + A11) u r in
+sway. Here m is the mass of the robot, r the yaw rate, and u and v are the velocities in surge and
+sway. In yaw, the equations contain the Munk moment -(A22 - A11) u v, which turns a body with
+A22 > A11 broadside to the flow. If a body sheds vortices at its tail, only the share e of the Munk
+moment acts.
 
 Source: Fossen, Handbook of Marine Craft Hydrodynamics (2011), sec. 6.3; Newman, Marine
 Hydrodynamics (1977), sec. 4.13.

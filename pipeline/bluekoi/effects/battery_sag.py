@@ -1,17 +1,19 @@
 """Thrust that falls during a trial with the supply voltage.
 
-With the thrust T, the flapping frequency f, and the time t since the start of the trial, the change
-of the thrust is
+At the time t since the start of the trial, the thrust T changes by
 
     dT = -k T (f / f_1)^e (1 - exp(-w t)) / w,   f_1 = 3.5 Hz
 
-At the frequency f_1, the change of the thrust is -k t T at first. It approaches -k T / w later,
-because the voltage settles under load. With w = 0 it is -k t T at all times. With e > 0, the
-relative loss dT / T is larger at a higher flapping frequency.
+- k: relative loss of thrust per second (1/s) at first, at the flapping frequency f = f_1;
+- w: rate at which the voltage settles under load (1/s). Later, dT therefore approaches -k T / w (at
+  f = f_1). With w = 0, dT is -k t T at all times;
+- e: exponent of the frequency. With e > 0, the relative loss dT / T is larger at a higher flapping
+  frequency.
 
-Thrust is proportional to f^2. In a motor log, or in the tail beat in the video, the effect
-therefore appears as a falling frequency. The relative loss of frequency is half that of the thrust.
-In the model, f is constant during a trial. Otherwise the loss would be counted twice.
+Thrust is proportional to f^2, with the flapping frequency f. In a motor log, or in the tail beat in
+the video, the effect therefore appears as a falling frequency. The relative loss of frequency is
+half that of the thrust. The model keeps f constant during a trial, because otherwise it would count
+the loss twice.
 
 Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries, ch.
 2).
@@ -31,11 +33,11 @@ EFFECT_DESCRIPTION = "Thrust decreases during a trial because the supply voltage
 MOST_VISIBLE_WHERE = "the late part of long trials"
 CONFUSED_WITH = ("sinking", "thrust_loss_with_speed", "wake_reentry")
 EFFECT_PARAMETERS = (
-    Parameter("loss_rate", "1/s", 0.03, 0.0, 1.0, "share of thrust lost per second, initially",
+    Parameter("loss_rate", "1/s", 0.03, 0.0, 1.0, "share of thrust lost per second at first",
               symbol="k"),
-    Parameter("settling_rate", "1/s", 0.002, 1e-4, 1.0, "rate at which the sag settles",
+    Parameter("settling_rate", "1/s", 0.002, 1e-4, 1.0, "rate at which the voltage settles",
               spread=0.3, symbol="w"),
-    Parameter("load_exponent", "1", 0.0, 0.0, 3.0, "growth with the flapping frequency",
+    Parameter("load_exponent", "1", 0.0, 0.0, 3.0, "exponent of the flapping frequency",
               spread=1.0, symbol="e"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

@@ -1,20 +1,21 @@
 """A centre of mass displaced from the stated position.
 
-If the centre of mass is displaced, the arms of the forces change. This causes the additional yaw
-moment
+A displaced centre of mass changes the arms of the forces. This causes the additional yaw moment
 
     N = -e (Y_h cos phi - X_h sin phi) + s X,   X = T + X_h cos phi + Y_h sin phi
     e = d ((1 - w) + w |sin phi| / sin 45 deg)
 
-- X_h, Y_h: forces on the head, along and across the head;
-- X: total force along the core;
-- e: shift of the centre of mass towards the head. It shortens the arm of the side forces of the
+- X_h, Y_h: forces on the head plate, along it and across it; phi: head angle;
+- X: force of thrust T and head along the core, the rigid body behind the head;
+- e: shift of the centre of mass towards the head (m). It shortens the arm of the side force of the
   head;
-- d: value of e at a head angle of 45 deg. With w = 0, e is d at every head angle. The part w of e
-  grows with the head angle, because a turned head moves its mass;
-- s: shift of the centre of mass to the left. It is the arm of the forces along the core.
+- d: value of e at a head angle of 45 deg (m);
+- w: weight of a shift that grows with the head angle, because a turned head moves its mass. With
+  w = 0, e is d at every head angle;
+- s: shift of the centre of mass to the left (m). It is the arm of the force X.
 
-The keypoint core_center lies at (-e, -s) from the true centre of mass, in the axes of the core.
+The keypoint core_center marks the stated centre of mass. In the axes of the core, it lies at
+(-e, -s) from the true centre of mass: the distance e behind it and the distance s to its right.
 
 Source: rigid-body statics.
 """
@@ -36,8 +37,8 @@ STRENGTH_PARAMETER_COUNT = 2
 EFFECT_PARAMETERS = (
     Parameter("forward_shift", "m", 0.005, -0.04, 0.04, "shift towards the head", symbol="d"),
     Parameter("left_shift", "m", 0.003, -0.02, 0.02, "shift to the left of the core", symbol="s"),
-    Parameter("head_angle_share", "1", 0.0, 0.0, 1.0, "part that grows with the head angle",
-              spread=0.5, symbol="w"),
+    Parameter("head_angle_share", "1", 0.0, 0.0, 1.0,
+              "weight of a shift that grows with the head angle", spread=0.5, symbol="w"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {
     "fixed": {},

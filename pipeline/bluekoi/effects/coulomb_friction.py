@@ -4,10 +4,11 @@ The friction force F acts against the velocity v of the robot, with the speed V 
 
     F = -F_c (1 + s exp(-(V / V_s)^2)) v / sqrt(V^2 + c^2),  V_s = 0.1 m/s
 
-At speeds well above c and V_s, the force is the constant F_c. Below the speed c, it falls smoothly
-to 0 at rest. With a large c, it rises gradually with the speed. s is the excess of static over
-sliding friction, relative to sliding friction (Stribeck effect). The excess decays over the speed
-V_s.
+- F_c: sliding friction (N). At speeds well above c and V_s, the force is constant, with this value;
+- c: onset speed (m/s). Below it, the force falls smoothly to 0 at rest. With a large c, the force
+  rises gradually with the speed;
+- s: excess of static over sliding friction, relative to sliding friction (Stribeck effect). V_s is
+  the speed over which the excess decays.
 
 In a pool, such a force comes from a tether, from the floor, or from the film on the water surface.
 
@@ -26,7 +27,7 @@ EFFECT_KIND = "physics"
 AFFECTED_CHANNELS = ("surge", "sway")
 DEPENDS_ON_VARIABLES = ("speed",)
 EFFECT_DESCRIPTION = (
-    "A nearly constant friction force acts against the motion, independent of the speed."
+    "A nearly constant friction force acts against the motion: it hardly depends on the speed."
 )
 MOST_VISIBLE_WHERE = "lowest speeds: start-up and the smallest power"
 CONFUSED_WITH = ("viscous_drag", "thrust_loss_with_speed")

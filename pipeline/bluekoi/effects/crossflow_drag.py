@@ -41,8 +41,8 @@ EFFECT_DESCRIPTION = (
 MOST_VISIBLE_WHERE = "tight turns with much sideways motion"
 CONFUSED_WITH = ("tail_fin_lift", "linear_yaw_damping", "stall")
 EFFECT_PARAMETERS = (
-    Parameter("drag_coefficient", "1", 0.5, 0.0, 5.0, "drag coefficient of a section across the flow",
-              symbol="C"),
+    Parameter("drag_coefficient", "1", 0.5, 0.0, 5.0,
+              "drag coefficient of a section across the flow", symbol="C"),
     Parameter("taper", "1", 0.1, -0.8, 0.8, "height at the hinge over the mean height, minus 1",
               spread=0.3, symbol="q"),
     Parameter("tail_depth", "1", 0.0, 0.0, 3.0, "height of the tail behind its base, in head spans",

@@ -4,10 +4,10 @@ The true head angle phi differs from the commanded one:
 
     phi = commanded + d ((1 - g - b) + g commanded / phi_1 + b sign(commanded)),  phi_1 = 35 deg
 
-d is the size of the error. With g = b = 0, the error is a constant offset. The part g of the error
-is a gain error: it is proportional to the commanded angle, and reaches its full size at the
-commanded angle phi_1. The part b is backlash: a constant error with the sign of the commanded
-angle.
+- d: size of the error (rad). With g = b = 0, the error is a constant offset;
+- g: weight of a gain error, which is proportional to the commanded angle. It has the size d at the
+  commanded angle phi_1;
+- b: weight of backlash, an error of the constant size d with the sign of the commanded angle.
 
 Source: own statement (servo horn or push rod set one notch off; length of the horn; play).
 """
@@ -30,9 +30,9 @@ CONFUSED_WITH = ("trim_moment", "port_starboard_asymmetry", "keypoint_bias")
 EFFECT_PARAMETERS = (
     Parameter("offset", "rad", 0.02, -0.4, 0.4, "size of the error, counter-clockwise positive",
               symbol="d"),
-    Parameter("gain_share", "1", 0.0, 0.0, 1.0, "part in proportion to the angle",
+    Parameter("gain_share", "1", 0.0, 0.0, 1.0, "weight of an error proportional to the angle",
               spread=0.5, symbol="g"),
-    Parameter("backlash_share", "1", 0.0, 0.0, 1.0, "part that has the sign of the angle",
+    Parameter("backlash_share", "1", 0.0, 0.0, 1.0, "weight of an error with the sign of the angle",
               spread=0.5, symbol="b"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

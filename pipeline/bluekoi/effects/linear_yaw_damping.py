@@ -1,16 +1,20 @@
 """Yaw damping in proportion to the yaw rate.
 
-With the yaw rate r and the speed V, the yaw moment is
+At the yaw rate r and the speed V, the yaw moment is
 
     N = -N_r r ((1 - p - q) + p (|r| / r_1)^(1/2) + q V / V_1),  r_1 = 0.5 rad/s, V_1 = 0.3 m/s
 
-With p = q = 0, the moment is proportional to r. The part p grows as r^(3/2), as for skin friction
-of a laminar boundary layer on the turning body. The part q grows as V r, as for the lift on the
-sections of a body that turns while it swims ahead. The three forms are equal at the yaw rate r_1
-and the speed V_1.
+- N_r: damping coefficient (N m s). With p = q = 0, the moment is proportional to r;
+- p: weight of a moment that grows as r^(3/2), as for skin friction of a laminar boundary layer on
+  the turning body;
+- q: weight of a moment that grows as V r, as for the lift on the sections of a body that turns
+  while it swims ahead.
 
-The moment vanishes without rotation. Relative to the quadratic damping of the model, C_Md r |r|, it
-is largest in slow turns.
+The three forms of the moment, proportional to r, r^(3/2) and V r, are equal at the yaw rate r_1 and
+the speed V_1.
+
+The moment vanishes without rotation. Relative to the quadratic damping of the model, C_Md r |r| at
+the yaw rate r, it is largest in slow turns.
 
 Source: Fossen, Handbook of Marine Craft Hydrodynamics (2011), sec. 6.4 (linear damping, potential
 and skin friction); Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5; Newman, Marine
@@ -34,9 +38,9 @@ MOST_VISIBLE_WHERE = "turns, mostly at low yaw rate and low power"
 CONFUSED_WITH = ("tail_fin_lift", "crossflow_drag", "viscous_drag")
 EFFECT_PARAMETERS = (
     Parameter("N_r", "N m s", 0.005, 0.0, 0.3, "moment over yaw rate, at 0.5 rad/s and 0.3 m/s"),
-    Parameter("laminar_share", "1", 0.0, 0.0, 1.0, "part that grows as r^1.5",
+    Parameter("laminar_share", "1", 0.0, 0.0, 1.0, "weight of a moment that grows as r^1.5",
               spread=0.5, symbol="p"),
-    Parameter("speed_share", "1", 0.0, 0.0, 1.0, "part that grows as V r",
+    Parameter("speed_share", "1", 0.0, 0.0, 1.0, "weight of a moment that grows as V r",
               spread=0.5, symbol="q"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

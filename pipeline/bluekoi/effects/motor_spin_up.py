@@ -1,19 +1,22 @@
 """Spin-up of the motor.
 
-During the dead time t_d after the start of the motor, the flapping frequency does not rise. At the
-time t after the dead time, it is
+In the dead time t_d after the start of the motor, the flapping frequency is constant. At the time t
+after the dead time, it is
 
     f(t) = f (1 - k ((1 - w) exp(-t / tau) + w ((1 - q) z + q z^2 (3 - 2 z)))),
     z = max(1 - t / (2 tau), 0)
 
-The f on the right-hand side is the full frequency. k is the share of it that is missing at the
-start and during the dead time. tau is the time constant. w = 0 is a first-order motor. w = 1 is a
-motor with a controller, which reaches the full frequency at t = 2 tau: by a linear ramp (q = 0) or
-by a smooth one (q = 1).
+- f on the right-hand side: the full frequency (Hz);
+- k: share of the full frequency that is missing at the start and during the dead time;
+- tau: time constant (s);
+- w: weight of a motor with a controller, which reaches the full frequency at t = 2 tau. With w = 0,
+  the motor has a first-order lag;
+- q: form of the rise with a controller: a linear ramp (q = 0) or a smooth one (q = 1).
 
-In all these forms, the spin-up costs the time k (tau + t_d): the tail makes f k (tau + t_d) fewer
-beats than a tail that beats at the full frequency from the start. A motor log shows this lost time
-(`motor/spin_up.py`).
+The tail makes f k (tau + t_d) fewer beats than a tail that beats at the full frequency f from the
+start. Here k is the share of f that is missing at the start, tau the time constant and t_d the dead
+time. The spin-up thus costs the time k (tau + t_d), for all values of w and q. A motor log shows
+this lost time (`motor/spin_up.py`).
 
 Source: Nise, Control Systems Engineering (2015), sec. 2.8 (motor with load, first order).
 """
@@ -37,7 +40,7 @@ EFFECT_PARAMETERS = (
               symbol="k"),
     Parameter("time_constant", "s", 0.4, 0.05, 3.0, "time constant, half the duration of a ramp",
               symbol="tau"),
-    Parameter("ramp_share", "1", 0.5, 0.0, 1.0, "part of the rise that is a controller's ramp",
+    Parameter("ramp_share", "1", 0.5, 0.0, 1.0, "0: first-order lag, 1: ramp of a controller",
               symbol="w"),
     Parameter("ramp_smoothness", "1", 0.0, 0.0, 1.0, "0: linear ramp, 1: smooth step",
               spread=0.5, symbol="q"),

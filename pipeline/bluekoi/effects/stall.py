@@ -1,15 +1,23 @@
 """Lift lost at a high angle of attack.
 
-Above an onset angle, the flow separates from the head plate. In steady flow, the separated share of
-the flow is w(alpha). It rises from 0 to 1 as |sin alpha| rises from s0 to s0 + b, with the angle of
-attack alpha. In unsteady flow, the separated share z follows w(alpha) with a delay, while the head
-travels s head lengths h:
+Above an onset angle of attack, the flow separates from the head plate. The separated share of the
+flow, z, follows its steady value w(alpha) with a delay. During this delay, the head travels about s
+head lengths h at the speed V:
 
     z' = (w(alpha) - z) / (s h / V + t_0),   t_0 = 1/60 second
 
-The head plate loses the share j k z of its lift and the share m k z of its yaw moment q C_Ma sin 2
-alpha. At small angles there is no loss. With s = 0, the loss follows the angle of attack within
-t_0, the shortest delay that the integrator can follow.
+- w(alpha): separated share in steady flow at the angle of attack alpha. It rises from 0 to 1 as
+  |sin alpha| rises from s0 to s0 + b;
+- t_0: shortest delay that the integrator can follow. With s = 0, z follows w(alpha) within t_0.
+
+The head plate loses the share j k z of its lift, and the share m k z of its yaw moment
+q C_Ma sin 2 alpha, with q = 1/2 rho A V^2. In steady flow at angles of attack below the onset,
+there is no loss:
+
+- z: separated share of the flow;
+- k: share of the lift that is lost in fully separated flow, with j = 1;
+- j: 1 if lift is lost, 0 if only the moment is lost;
+- m: loss of the moment, relative to k.
 
 Source: Abbott and von Doenhoff, Theory of Wing Sections (1959), sec. 4.1 (stalled flow); Hoerner
 and Borst, Fluid-Dynamic Lift (1975), ch. 4; Goman and Khrabrov, J. Aircraft 31 (1994), 1109

@@ -1,12 +1,12 @@
 """Thrust that does not grow with the head area.
 
 In Eq. 1 of the paper as printed, the thrust T is proportional to the area A of the head plate, so
-that a longer head gives more thrust. This effect changes the thrust by
+that a longer head gives more thrust. This effect removes the share k of that growth:
 
     dT = -k T (1 - A_1 / A)
 
-A_1 is the area of the standard (1x) head, for which the effect vanishes. With k = 1, the thrust is
-proportional to A_1 for every head.
+A_1 is the area of the standard (1x) head, for which the change dT of the thrust vanishes. With
+k = 1, the thrust is proportional to A_1 for every head.
 
 Source: audit of Eq. 1, docs/paper.md.
 """

@@ -1,15 +1,16 @@
 """Thrust that misses the centre of mass when the head is turned.
 
-At the head angle phi, the thrust T causes the yaw moment
+In Eq. 8 of the paper, the thrust T acts at the centre of mass. However, a turned head moves its
+mass, and with it the centre of mass, to one side. The thrust then misses the centre of mass by a
+distance, N / T, and causes the yaw moment
 
     N = T d (sin(phi) + w (phi - sin(phi)))
 
-In Eq. 8 of the paper, T acts at the centre of mass. However, a turned head moves its mass, and with
-it the centre of mass, to one side. The distance between the line of thrust and the centre of mass
-is then d (sin(phi) + w (phi - sin(phi))). With w = 0, the robot bends at a hinge, and d is the
-distance at a head angle of 90 degrees. With w = 1, the distance is proportional to phi, as for a
-body that bends along an arc. With w < 0, it grows more slowly than sin(phi) at large angles; w = -3
-is close to 1/2 d sin(2 phi). The moment vanishes with a straight head.
+- phi: head angle. The moment vanishes with a straight head (phi = 0);
+- d: distance at a head angle of 90 degrees, with w = 0 (m);
+- w: form of the bend. With w = 0, the robot bends at a hinge. With w = 1, the distance is
+  proportional to phi, as for a body that bends along an arc. With w < 0, the distance grows more
+  slowly than sin(phi) at large angles; with w = -3 it is close to 1/2 d sin(2 phi).
 
 Source: rigid-body statics.
 """

@@ -1,17 +1,19 @@
 """Thrust that falls with forward speed.
 
-With the surge velocity u, the flapping frequency f and the area A of the head plate, the change of
-the thrust T is
+At the surge velocity u and the flapping frequency f, the thrust T changes by
 
     dT = -k rho A f u ((1 - w) + w (u / f) / J_1) (f / f_1)^q,  J_1 = 0.15 m, f_1 = 3.5 Hz
 
-u / f is the advance, the distance that the robot swims in one tail beat. With w = 0, the loss of
-thrust is proportional to the advance. The part w of the loss is proportional to the square of the
-advance. Both forms are equal at the advance J_1. With w > 1, the thrust is largest at an advance
-above 0, as that of a tail at its best Strouhal number. The loss vanishes at rest.
+- u / f: advance, the distance that the robot swims in one tail beat (m);
+- k: loss of T / (rho A f^2) per metre of advance, at the advance J_1 and the frequency f_1; rho:
+  density of the water; A: area of the head plate;
+- w: weight of a loss proportional to the square of the advance. With w = 0, the loss is
+  proportional to the advance. Both forms are equal at the advance J_1. With w > 1, the thrust is
+  largest at an advance above 0, as that of a tail at its best Strouhal number;
+- q: exponent of the frequency. With q = 0, the relative loss dT / T depends only on the advance, as
+  for a propeller. With q = 1 (for w = 0) or q = 2 (for w = 1), it depends only on the speed.
 
-With q = 0, the relative loss dT / T depends only on the advance, as for a propeller. With q = 1
-(for w = 0) or q = 2 (for w = 1), dT / T depends only on the speed.
+The loss vanishes at rest.
 
 Source: Carlton, Marine Propellers and Propulsion (2012), sec. 6.1 (open-water curves);
 Triantafyllou et al., J. Fluids Struct. 7 (1993), 205 (Strouhal number of fish tails).
@@ -33,8 +35,8 @@ MOST_VISIBLE_WHERE = "start-up (more thrust) against steady swimming (less thrus
 CONFUSED_WITH = ("viscous_drag", "wave_drag", "battery_sag")
 EFFECT_PARAMETERS = (
     Parameter("loss_per_advance", "m", 0.02, 0.0, 1.0,
-              "loss of T / (rho A f^2) per metre of advance, at an advance of 0.15 m", symbol="k"),
-    Parameter("quadratic_share", "1", 0.0, 0.0, 4.0, "part that grows as the advance squared",
+              "loss of T / (rho A f^2) per metre of advance, at 0.15 m and 3.5 Hz", symbol="k"),
+    Parameter("quadratic_share", "1", 0.0, 0.0, 4.0, "weight of a loss in the advance squared",
               spread=1.0, symbol="w"),
     Parameter("frequency_exponent", "1", 0.0, 0.0, 2.0, "growth with frequency at equal advance",
               spread=1.0, symbol="q"),

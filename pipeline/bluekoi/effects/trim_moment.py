@@ -1,16 +1,19 @@
 """Constant yaw moment of an asymmetric robot.
 
-With the speed V, the flapping frequency f and the area A of the head plate, the yaw moment is
+At the speed V and the flapping frequency f, the yaw moment is
 
     N = 1/2 rho A c V0^2 ((1 - w) (V / V0)^(2 p) + w (f / f0)^2),   V0 = 0.3 m/s, f0 = 3.5 Hz
 
-V0 and f0 are a speed and a frequency that the published robot reaches. At V = V0 and f = f0, the
-moment is that of the force 1/2 rho A V0^2 at a lever arm of the length c. The share w of the moment
-is proportional to the thrust, as for a misaligned tail. The rest is proportional to V^(2 p): with
-p = 1 to V^2, as for an asymmetric hull; with p = 0 it is constant, as for a cable that pulls.
+- rho: density of the water; A: area of the head plate;
+- V0, f0: a speed and a frequency that the published robot reaches;
+- c: lever arm (m). At V = V0 and f = f0, the moment is that of the force 1/2 rho A V0^2 at this
+  arm;
+- w: weight of a moment that is proportional to the thrust, as for a misaligned tail;
+- p: exponent of the other moment, which has the weight 1 - w. With p = 1, it is proportional to
+  V^2, as for an asymmetric hull. With p = 0, it is constant, as for a cable that pulls.
 
-The moment turns a robot with a straight head always to the same side. With p > 0, it vanishes if
-robot and tail are at rest.
+The moment turns a robot with a straight head always to the same side. With p > 0 in the formula,
+the moment vanishes if robot and tail are at rest.
 
 Source: Fossen (2011), sec. 7.1 (asymmetric hull terms).
 """
@@ -24,16 +27,18 @@ EFFECT_KIND = "physics"
 AFFECTED_CHANNELS = ("yaw",)
 DEPENDS_ON_VARIABLES = ("side",)
 EFFECT_DESCRIPTION = (
-    "A small constant yaw moment acts even with a straight head: the robot is not symmetric."
+    "The robot is not symmetric: a small yaw moment acts even with a straight head, always to the "
+    "same side."
 )
 MOST_VISIBLE_WHERE = "all trials, with the same sign; best in straight runs"
 CONFUSED_WITH = ("head_angle_offset", "port_starboard_asymmetry", "keypoint_bias")
 EFFECT_PARAMETERS = (
     Parameter("moment_arm", "m", 0.001, -0.1, 0.1,
-              "moment per 1/2 rho A V0^2, counter-clockwise positive", symbol="c"),
+              "moment at 0.3 m/s and 3.5 Hz, over 1/2 rho A (0.3 m/s)^2, counter-clockwise positive",
+              symbol="c"),
     Parameter("speed_dependence", "1", 1.0, 0.0, 1.5, "exponent of the squared speed",
               spread=0.5, symbol="p"),
-    Parameter("thrust_share", "1", 0.0, 0.0, 1.0, "part in proportion to the thrust",
+    Parameter("thrust_share", "1", 0.0, 0.0, 1.0, "weight of a moment proportional to the thrust",
               spread=0.5, symbol="w"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

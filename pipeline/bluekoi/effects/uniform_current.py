@@ -1,14 +1,18 @@
 """Uniform current in the pool.
 
-At the time t of a trial, the water has the velocity
+At the time t since the start of a trial, the water has the velocity w, in the axes of the pool:
 
     w = (c_x (1 + a eta), c_y (1 + a xi)) (1 + b (t - 3 s) / 3 s)
+    xi = 2 x / L - 1,  eta = 2 y / W - 1
 
-in the axes of the pool. All forces depend on the velocity of the robot relative to the water. With
-the position (x, y), the length L and the width W of the pool, xi = 2 x / L - 1 and eta = 2 y / W -
-1; they grow from -1 at one wall to 1 at the opposite wall. The current is uniform for a = 0. a is
-the shear: the relative change of the current across its direction, from the middle to a wall. b is
-the relative change of the current from 3 s to 6 s after the start of a trial.
+- x, y: position in the pool; L, W: length and width of the pool (m). xi and eta grow from -1 at one
+  wall to 1 at the opposite wall;
+- c_x, c_y: current in the middle of the pool at t = 3 s (m/s);
+- a: shear, the relative change of the current across its direction, from the middle to a wall. With
+  a = 0, the current is uniform;
+- b: relative change of the current from 3 s to 6 s after the start of a trial.
+
+All forces depend on the velocity of the robot relative to the water.
 
 Source: Fossen (2011), sec. 8.3 (relative velocity in an irrotational current).
 """
@@ -29,9 +33,9 @@ STRENGTH_PARAMETER_COUNT = 2
 EFFECT_PARAMETERS = (
     Parameter("c_x", "m/s", 0.005, -0.3, 0.3, "current along the pool's x"),
     Parameter("c_y", "m/s", 0.005, -0.3, 0.3, "current along the pool's y"),
-    Parameter("shear", "1", 0.0, -1.0, 1.0, "change of the current from the middle to a wall",
+    Parameter("shear", "1", 0.0, -1.0, 1.0, "relative change from the middle to a wall",
               spread=0.5, symbol="a"),
-    Parameter("growth", "1", 0.0, -1.0, 1.0, "change of the current in 3 s",
+    Parameter("growth", "1", 0.0, -1.0, 1.0, "relative change of the current in 3 s",
               spread=0.3, symbol="b"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

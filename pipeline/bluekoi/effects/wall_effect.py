@@ -1,15 +1,20 @@
 """Forces close to a wall of the pool.
 
-At the distance d from a wall, the forces and the moment caused by this wall are proportional to
-n(d). With q = rho V^2 / 2 at the speed V, and the area A of the head plate:
+Each wall of the pool causes a drag, an attraction and a yaw moment. They are proportional to n(d),
+where d is the distance from the wall:
 
     n(d) = (1 - w) exp(-d / s) + w / (1 + (d / s)^2)
     drag k n q A,  attraction g n q A,  moment towards the wall j n q A (0.1 m)
 
-The contributions of the four walls are added. s is the distance over which the effect decays; the
-effect vanishes far from the walls. The part w of n(d) falls as the inverse square of the distance.
-Potential flow with an image of the body behind the wall has this form, and explains the attraction.
-The moment is that of a force j n q A towards the wall that acts 0.1 m ahead of the centre of mass.
+- q: dynamic pressure rho V^2 / 2 at the speed V; A: area of the head plate;
+- s: distance over which the effect decays (m);
+- w: weight of a form that falls as the inverse square of the distance if d is much larger than s.
+  Potential flow with an image of the body behind the wall has this form, and explains the
+  attraction;
+- j: strength of the moment. A force j n q A towards the wall that acts 0.1 m ahead of the centre of
+  mass would cause the same moment.
+
+The contributions of the four walls are added. The effect vanishes far from the walls.
 
 Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 8 (blockage); Newman (1977), ch. 4 (images).
 """
@@ -30,16 +35,16 @@ CONFUSED_WITH = ("pool_gyre", "uniform_current")
 STRENGTH_PARAMETER_COUNT = 3
 EFFECT_PARAMETERS = (
     Parameter("added_drag", "1", 0.5, 0.0, 20.0,
-              "share of the drag 1/2 rho A V^2 added at the wall", symbol="k"),
-    Parameter("suction", "1", 0.2, -20.0, 20.0, "pull towards a wall over 1/2 rho A V^2",
+              "drag added at a wall, over 1/2 rho A V^2", symbol="k"),
+    Parameter("suction", "1", 0.2, -20.0, 20.0, "attraction at a wall, over 1/2 rho A V^2",
               symbol="g"),
     Parameter("moment", "1", 0.2, -20.0, 20.0,
-              "moment towards a wall over 1/2 rho A V^2 (0.1 m)", symbol="j"),
+              "moment towards a wall, over 1/2 rho A V^2 (0.1 m)", symbol="j"),
     Parameter("decay_length", "m", 0.15, 0.03, 0.5,
               "distance over which the effect falls by a factor e",
               spread=0.075, symbol="s"),
     Parameter("wide_share", "1", 0.0, 0.0, 1.0,
-              "part that falls as the inverse square of the distance",
+              "weight of a form that falls as the inverse square of the distance",
               spread=0.5, symbol="w"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

@@ -1,13 +1,14 @@
 """A camera that was moved between or during trials.
 
-From some moment of a trial on, all positions are displaced by (dx, dy). The finder tests every
-moment of every trial for such a displacement before the fit (mismatch/camera_displacement.py). A
-displacement is fitted only if this test finds it probable. The fit uses the moment found by the
-test.
+From some moment of a trial on, all measured positions are displaced by (dx, dy). Before the fit,
+the finder tests every moment of every trial for such a displacement
+(mismatch/camera_displacement.py). It fits a displacement only if this test finds it probable. The
+fit uses the moment found by the test.
 
-If the camera moved in several trials, (dx, dy) is the displacement in the trial whose displacement
-is the most certain. With positions as complex numbers x + i y, the displacement in trial n is
-(a_n + i b_n)(dx + i dy). The test gives the ratios a_n + i b_n, and the fit does not change them.
+If the camera moved in several trials, (dx, dy) is the displacement in the trial in which it is the
+most certain. The displacements of all trials have fixed ratios to it. With positions as complex
+numbers x + i y, the displacement in trial n is (a_n + i b_n)(dx + i dy). The test gives the ratios
+a_n + i b_n, and the fit does not change them.
 
 Source: own statement.
 """

@@ -1,15 +1,19 @@
 """A wrong frame rate.
 
-With the recorded time t, the true time runs 1 + p k (1 + d (t - 3 s) / 3 s) times as fast as t.
-k is the relative error of the frame rate at t = 3 s. d describes an unsteady clock: the change of
-this error in 3 s, relative to k.
+At the recorded time t, the true time runs faster than t by the factor
 
-p is 1 in the trials whose frame rate is taken to be wrong, and 0 in the others. The finder takes it
-to be wrong in all trials, unless the tail beat in the video, compared with the motor log, shows in
-which trials it is.
+    1 + p k (1 + d (t - 3 s) / 3 s)
 
-Without a motor log, d is 0. The reason is that the quartz of a camera is steady. If the tail beat
-in the video drifts, this is therefore attributed to the motor.
+- k: relative error of the frame rate at t = 3 s;
+- d: change of this error in 3 s, relative to k (unsteady clock);
+- p: 1 in the trials whose frame rate is taken to be wrong, 0 in the others.
+
+The finder takes the frame rate to be wrong in all trials. The exception are studies in which the
+tail beat in the video, compared with the motor log, shows in which trials it is wrong.
+
+Without a motor log, the clock is taken to be steady (d = 0), because the quartz of a camera is
+steady. If the tail beat in the video drifts, the finder therefore attributes the drift to the
+motor.
 
 Source: own statement (30 for 29.97, or a frame rate typed in wrongly).
 """
@@ -28,9 +32,9 @@ MOST_VISIBLE_WHERE = (
 )
 CONFUSED_WITH = ("scale_error",)
 EFFECT_PARAMETERS = (
-    Parameter("rate_error", "1", 0.01, -0.6, 1.5, "share by which true time runs faster",
+    Parameter("rate_error", "1", 0.01, -0.6, 1.5, "relative error of the frame rate; above 0, true time runs faster",
               symbol="k"),
-    Parameter("drift", "1", 0.0, -1.0, 1.0, "change of the error in 3 s, as a share of it",
+    Parameter("drift", "1", 0.0, -1.0, 1.0, "change of the error in 3 s, relative to the error",
               spread=0.5, symbol="d"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {

@@ -3,13 +3,14 @@
 The pose of the robot is fitted to all keypoints. A constant offset of one keypoint on the body
 therefore changes the whole pose:
 
-- `bx`, `by`: shift of the core centre along the core and across it;
+- `bx`, `by`: shift of the core centre along the core (the rigid body behind the head) and across
+  it;
 - `bpsi`: change of the heading of the core;
 - `bphi`: change of the head angle.
 
-The label of a keypoint may follow the edge of the head. It then moves on the robot when the head
-turns. `by`, `bpsi` and `bphi` are therefore multiplied by a factor that depends on the head angle
-phi:
+If the marked point follows the edge of the head, it moves on the robot when the head turns. The
+shift `by` across the core and the changes `bpsi` of the heading and `bphi` of the head angle are
+therefore multiplied by a factor that depends on the head angle phi and a weight w:
 
     (1 - w) + w sin(phi) / sin(45 deg)
 
@@ -38,7 +39,8 @@ EFFECT_PARAMETERS = (
     Parameter("head_angle_offset", "rad", 0.01, -0.35, 0.35, "error of the observed head angle",
               symbol="bphi"),
     Parameter("head_angle_share", "1", 0.0, 0.0, 1.0,
-              "part in proportion to the sine of the head angle", spread=0.5, symbol="w"),
+              "weight of an offset proportional to the sine of the head angle", spread=0.5,
+              symbol="w"),
 )  # fmt: skip
 FUNCTIONAL_FORMS = {
     "constant": {},

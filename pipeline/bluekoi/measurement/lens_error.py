@@ -18,8 +18,8 @@ then approximates the resulting displacement of points on the water by the formu
 approximation gives Q, a and c.
 
 The full formula for tangential distortion with the vector p = (p_x, p_y) is 2 (p . d) d + rho^2 p,
-where d is the vector from the lens axis to the point and rho its length. The model leaves out the
-first term. That term acts like a tilt of the camera, which the fitted pose compensates.
+where d = true - c is the vector from the lens axis to the point, and rho its length. The first term
+is left out. It acts like a tilt of the camera, which the fitted pose compensates.
 
 Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial and tangential distortion).
 """

@@ -6,8 +6,8 @@ Without a log, it begins d seconds after the start of the video.
 If d is negative, the video (or log) starts after the motor, and the robot already has a speed in
 the first frame. A pulse of thrust in the first 0.1 s (for the published robot) gives it this speed.
 With the thrust T = C_T 1/2 rho A f^2, the impulse of the pulse is T (-d); the drag during the time
--d is neglected. If d is positive and below 0.1 s, the same pulse is partly subtracted, so that the
-force is a smooth function of d at d = 0.
+-d is neglected. If d is small and positive, the same pulse is subtracted, so that the force is a
+smooth function of d at d = 0.
 
 Only trials that begin at rest show the delay d of the thrust. If the robot already swims in the
 first frame, d has no effect: the thrust of the model is a mean over the tail beat, and the initial

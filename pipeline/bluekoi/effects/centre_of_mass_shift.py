@@ -10,7 +10,7 @@ A displaced centre of mass changes the arms of the forces. This causes the addit
 - e: shift of the centre of mass towards the head (m). It shortens the arm of the side force of the
   head;
 - d: value of e at a head angle of 45 deg (m);
-- w: weight of a shift that grows with the head angle, because a turned head moves its mass. With
+- w: weight of a shift that grows with the head angle, because turning the head moves its mass. With
   w = 0, e is d at every head angle;
 - s: shift of the centre of mass to the left (m). It is the arm of the force X.
 

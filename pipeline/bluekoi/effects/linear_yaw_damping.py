@@ -10,8 +10,8 @@ At the yaw rate r and the speed V, the yaw moment is
 - q: weight of a moment that grows as V r, as for the lift on the sections of a body that turns
   while it swims ahead.
 
-The three forms of the moment, proportional to r, r^(3/2) and V r, are equal at the yaw rate r_1 and
-the speed V_1.
+The three forms of the moment, proportional to r, r^(3/2) and V r, are equal at the yaw rate
+r = 0.5 rad/s and the speed V = 0.3 m/s.
 
 The moment vanishes without rotation. Relative to the quadratic damping of the model, C_Md r |r| at
 the yaw rate r, it is largest in slow turns.

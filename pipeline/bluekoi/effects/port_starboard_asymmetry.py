@@ -53,7 +53,7 @@ EFFECT_PARAMETERS = (
     Parameter("drag_difference", "1", 0.05, -2.0, 2.0,
               "relative excess of the drag while the lift points to the left", symbol="g"),
     Parameter("transition_sine", "1", 0.03, 0.0, 1.0,
-              "value of |sin 2 alpha| up to which the sides differ less", spread=0.5, symbol="w"),
+              "absolute sine of 2 alpha up to which the sides differ less", spread=0.5, symbol="w"),
     Parameter("moment_share", "1", 0.0, 0.0, 1.2,
               "difference of the moment, relative to that of the lift", spread=0.5, symbol="m"),
 )  # fmt: skip

@@ -38,7 +38,7 @@ EFFECT_PARAMETERS = (
     Parameter("drag_growth_ratio", "1", 10.0, 0.0, 60.0,
               "growth of the drag coefficient over the shrinking of the image", spread=15.0,
               symbol="c_g"),
-    Parameter("quadratic_share", "1", 0.0, 0.0, 1.0, "weight of a term in time squared",
+    Parameter("quadratic_share", "1", 0.0, 0.0, 1.0, "weight of a term proportional to t^2",
               spread=0.5, symbol="w"),
     Parameter("settling_rate", "1/s", 0.002, 1e-4, 1.0, "rate at which the depth settles",
               spread=0.3, symbol="b"),

@@ -10,9 +10,8 @@ head lengths h at the speed V:
   |sin alpha| rises from s0 to s0 + b;
 - t_0: shortest delay that the integrator can follow. With s = 0, z follows w(alpha) within t_0.
 
-The head plate loses the share j k z of its lift, and the share m k z of its yaw moment
-q C_Ma sin 2 alpha, with q = 1/2 rho A V^2. In steady flow at angles of attack below the onset,
-there is no loss:
+At small angles of attack there is no loss. Otherwise, the head plate loses the share j k z of its
+lift, and the share m k z of its yaw moment q C_Ma sin 2 alpha, with q = 1/2 rho A V^2:
 
 - z: separated share of the flow;
 - k: share of the lift that is lost in fully separated flow, with j = 1;

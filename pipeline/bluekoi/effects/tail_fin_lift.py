@@ -22,13 +22,12 @@ of the fin:
   dynamic pressure. With p < 0, the fin stalls gradually;
 - q: coefficient of the vortex lift over that of the lift at small angles. The vortices separate at
   the side edges of a wing of low aspect ratio. For a slender wing, q is 2 over the aspect ratio
-  (Polhamus);
+  (Polhamus). With p = q = 0, all forces vanish without forward speed (u = 0);
 - g: ratio that determines dX. With g = 0, the force is normal to the fin. With g > 0, the fin has
   an additional drag along the body. With g < 0, it has a forward force (leading-edge suction). With
   g = -1 and w small compared with u, the force is normal to the flow.
 
-The fin stabilises straight swimming, in which its force vanishes. With p = q = 0 in the formula of
-dY, the force also vanishes if the surge velocity u is 0.
+The force of the fin vanishes in straight swimming, which it stabilises.
 
 The circulation builds up while the fin travels s head lengths h. This delay acts on the sideways
 speed at the middle of the fin: the lift depends on the delayed speed w_e instead of the true speed

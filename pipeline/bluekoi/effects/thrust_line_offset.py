@@ -1,8 +1,8 @@
 """Thrust that misses the centre of mass when the head is turned.
 
-In Eq. 8 of the paper, the thrust T acts at the centre of mass. However, a turned head moves its
-mass, and with it the centre of mass, to one side. The thrust then misses the centre of mass by a
-distance, N / T, and causes the yaw moment
+In Eq. 8 of the paper, the thrust T acts at the centre of mass. However, turning the head moves its
+mass, and with it the centre of mass, to one side. The line of thrust then passes the centre of mass
+at the distance N / T, and the thrust causes the yaw moment
 
     N = T d (sin(phi) + w (phi - sin(phi)))
 

@@ -36,7 +36,7 @@ CONFUSED_WITH = ("viscous_drag", "wave_drag", "battery_sag")
 EFFECT_PARAMETERS = (
     Parameter("loss_per_advance", "m", 0.02, 0.0, 1.0,
               "loss of T / (rho A f^2) per metre of advance, at 0.15 m and 3.5 Hz", symbol="k"),
-    Parameter("quadratic_share", "1", 0.0, 0.0, 4.0, "weight of a loss in the advance squared",
+    Parameter("quadratic_share", "1", 0.0, 0.0, 4.0, "weight of a loss proportional to u^2",
               spread=1.0, symbol="w"),
     Parameter("frequency_exponent", "1", 0.0, 0.0, 2.0, "growth with frequency at equal advance",
               spread=1.0, symbol="q"),

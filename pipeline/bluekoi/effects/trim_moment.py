@@ -10,10 +10,10 @@ At the speed V and the flapping frequency f, the yaw moment is
   arm;
 - w: weight of a moment that is proportional to the thrust, as for a misaligned tail;
 - p: exponent of the other moment, which has the weight 1 - w. With p = 1, it is proportional to
-  V^2, as for an asymmetric hull. With p = 0, it is constant, as for a cable that pulls.
+  V^2, as for an asymmetric hull. With p = 0, it is constant, as for a cable that pulls. With p > 0,
+  N vanishes if robot and tail are at rest.
 
-The moment turns a robot with a straight head always to the same side. With p > 0 in the formula,
-the moment vanishes if robot and tail are at rest.
+The moment turns a robot with a straight head always to the same side.
 
 Source: Fossen (2011), sec. 7.1 (asymmetric hull terms).
 """
@@ -34,8 +34,8 @@ MOST_VISIBLE_WHERE = "all trials, with the same sign; best in straight runs"
 CONFUSED_WITH = ("head_angle_offset", "port_starboard_asymmetry", "keypoint_bias")
 EFFECT_PARAMETERS = (
     Parameter("moment_arm", "m", 0.001, -0.1, 0.1,
-              "moment at 0.3 m/s and 3.5 Hz, over 1/2 rho A (0.3 m/s)^2, counter-clockwise positive",
-              symbol="c"),
+              "moment at 0.3 m/s and 3.5 Hz, over 1/2 rho A (0.3 m/s)^2; counter-clockwise "
+              "positive", symbol="c"),
     Parameter("speed_dependence", "1", 1.0, 0.0, 1.5, "exponent of the squared speed",
               spread=0.5, symbol="p"),
     Parameter("thrust_share", "1", 0.0, 0.0, 1.0, "weight of a moment proportional to the thrust",

@@ -33,8 +33,8 @@ STRENGTH_PARAMETER_COUNT = 2
 EFFECT_PARAMETERS = (
     Parameter("c_x", "m/s", 0.005, -0.3, 0.3, "current along the pool's x"),
     Parameter("c_y", "m/s", 0.005, -0.3, 0.3, "current along the pool's y"),
-    Parameter("shear", "1", 0.0, -1.0, 1.0, "relative change from the middle to a wall",
-              spread=0.5, symbol="a"),
+    Parameter("shear", "1", 0.0, -1.0, 1.0,
+              "relative change of the current from the middle to a wall", spread=0.5, symbol="a"),
     Parameter("growth", "1", 0.0, -1.0, 1.0, "relative change of the current in 3 s",
               spread=0.3, symbol="b"),
 )  # fmt: skip

@@ -8,8 +8,8 @@ At the recorded time t, the true time runs faster than t by the factor
 - d: change of this error in 3 s, relative to k (unsteady clock);
 - p: 1 in the trials whose frame rate is taken to be wrong, 0 in the others.
 
-The finder takes the frame rate to be wrong in all trials. The exception are studies in which the
-tail beat in the video, compared with the motor log, shows in which trials it is wrong.
+The finder takes the frame rate to be wrong in all trials (p = 1), unless the tail beat in the
+video, compared with the motor log, shows in which trials it is wrong.
 
 Without a motor log, the clock is taken to be steady (d = 0), because the quartz of a camera is
 steady. If the tail beat in the video drifts, the finder therefore attributes the drift to the
@@ -32,8 +32,8 @@ MOST_VISIBLE_WHERE = (
 )
 CONFUSED_WITH = ("scale_error",)
 EFFECT_PARAMETERS = (
-    Parameter("rate_error", "1", 0.01, -0.6, 1.5, "relative error of the frame rate; above 0, true time runs faster",
-              symbol="k"),
+    Parameter("rate_error", "1", 0.01, -0.6, 1.5,
+              "relative error of the frame rate; above 0, true time runs faster", symbol="k"),
     Parameter("drift", "1", 0.0, -1.0, 1.0, "change of the error in 3 s, relative to the error",
               spread=0.5, symbol="d"),
 )  # fmt: skip

@@ -9,7 +9,7 @@ A point at the position `true` on the water is measured at the position
 - p_x, p_y: tangential distortion of a lens whose elements are not aligned (1/m);
 - Q (m2), a (m3): change of scale and shift by which the fitted camera pose compensates part of the
   lens error;
-- q: change of scale relative to the computed one, q Q over Q.
+- q: actual change of scale over the computed one, Q.
 
 The pose of the camera is fitted to the corners of the pool, with the same wrong lens. It therefore
 compensates part of the lens error. To determine this part, the program changes the first distortion

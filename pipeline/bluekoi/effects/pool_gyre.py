@@ -21,9 +21,10 @@ At the distance D from the middle of the pool, the speed of the water in the vor
 
 All forces depend on the velocity of the robot relative to the water at its position. The water also
 rotates there: Omega is the angular velocity of a line along the robot that moves with the water. In
-the formula of the yaw damping, C_Md r |r|, the yaw rate r is reduced by d Omega. In the formulas of
-all other forces, it is reduced by g Omega. The factors d and g are below 1 if the robot spans a
-part of the eddy, and therefore feels only a share of Omega.
+the formula of the yaw damping, C_Md r |r|, the yaw rate r is reduced by d Omega. In all other
+forces, the rotation of the water counts as g Omega: it reduces the yaw rate, and, by l g Omega, the
+sideways velocity of the head plate, a distance l ahead of the centre of mass. The factors d and g
+are below 1 if the robot spans a part of the eddy, and therefore feels only a share of Omega.
 
 Source: Batchelor, An Introduction to Fluid Dynamics (1967), sec. 7.4 (cell); Scully, MIT ASRL TR
 178-1 (1975), and Kaufmann, Ing.-Arch. 31 (1962), 1 (vortex).

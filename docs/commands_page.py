@@ -18,7 +18,8 @@ PAGE = Path(__file__).resolve().parent / "commands.md"
 HEAD = """# Commands
 
 `bluekoi COMMAND --help` shows the same text as this page. [Running a study](running.md) explains
-exit codes, shell completion and troubleshooting."""
+exit codes, shell completion and troubleshooting. In the usage lines, STUDY is the path of a study
+folder. The default results folder is results/NAME, where NAME is the name of the study folder."""
 
 
 def page() -> str:

@@ -32,14 +32,15 @@ CALIBRATION_SECONDS_PER_PICTURE = (
 @click.option("--model", default="auto", show_default=True, help="Lens model.",
               type=click.Choice(["auto", "pinhole", "fisheye"]))  # fmt: skip
 @click.option("--out", default="camera.yaml", show_default=True, type=click.Path(path_type=Path),
-              help="File for the camera section.")  # fmt: skip
+              help="File for the section `camera:` of study.yaml.")  # fmt: skip
 def calibrate(
     *, images: tuple[Path, ...], pattern: str, square_mm: float, board: str, model: str, out: Path
 ) -> None:
     """Calibrate the lens from photographs or videos of a board, or take a lens-profile json.
 
-    Writes two files: OUT with the camera section for study.yaml, and a picture of the same name
-    that shows where the board appeared in the image, with the reprojection errors.
+    The command writes two files: OUT with the section `camera:` for study.yaml, and a picture with
+    the same name and the ending .png. The picture shows where the board appeared in the image, with
+    the reprojection errors.
     """
     from ..camera.lens_calibration import calibrate_files  # noqa: PLC0415
     from ..errors import input_error  # noqa: PLC0415
@@ -76,12 +77,13 @@ def calibrate(
 def pool(
     ctx: click.Context, study: Path, frame: Path | None, trial_id: str | None, out: Path
 ) -> None:
-    """Draw the pool corners of STUDY on FRAME, and check them against the edges seen.
+    """Draw the pool corners of STUDY on FRAME, and compare them with the pool edges in FRAME.
 
     FRAME is a picture or a video in the current folder or in STUDY. Without FRAME, the first frame
-    of a trial is used. If study.yaml has no corners yet, the frame is drawn with ruled lines, from
-    which their pixel coordinates can be read; study.yaml may be incomplete. The exit code is 0 only
-    if the edges are found with certainty and confirm the given corners.
+    of a trial is used. If study.yaml has no corners yet, the command draws ruled lines on the
+    frame, from which the pixel coordinates of the corners can be read; study.yaml may then be
+    incomplete. If study.yaml has corners, the exit code is 0 only if the edges of the pool are
+    found with certainty and confirm these corners.
     """
     from ..camera.pixel_grid import frame_with_pixel_grid  # noqa: PLC0415
     from ..camera.pool_corner_check import pool_corners_picture  # noqa: PLC0415

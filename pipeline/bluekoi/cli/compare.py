@@ -33,9 +33,10 @@ def compare(
 ) -> None:
     """Show what differs between two runs: coefficients, causes, errors, settings and inputs.
 
-    FIRST and SECOND are results folders, or studies whose results are in results/NAME. --out writes
-    comparison.csv, and comparison.png and .pdf with the figure. Where a run lacks results, the
-    rest is compared, the missing files are named, and the exit code is 1.
+    FIRST and SECOND are results folders, or studies whose results are in results/NAME. With --out,
+    the table is also written as comparison.csv, and a figure as comparison.png and comparison.pdf.
+    If results of a run are missing, the command compares the others, names the missing files, and
+    ends with exit code 1.
     """
     from ..comparison import list_run_differences as compared  # noqa: PLC0415
     from ..comparison import read_run  # noqa: PLC0415

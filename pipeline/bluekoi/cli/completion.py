@@ -17,8 +17,9 @@ def completion(shell: str) -> None:
     zsh:  bluekoi completion zsh > a folder of $fpath, as _bluekoi
     fish: bluekoi completion fish > ~/.config/fish/completions/bluekoi.fish
 
-    These commands install the script; it works in the next shell. `bluekoi completion` in the
-    start-up file of the shell does the same, but slows down each start.
+    These commands install the script for the shell named first; it works in the next shell that you
+    open. A call of `bluekoi completion` in the start-up file of the shell has the same effect, but
+    slows down each start of the shell.
     """  # noqa: D301  click's mark for lines that keep their breaks
     from click.shell_completion import get_completion_class  # noqa: PLC0415
 

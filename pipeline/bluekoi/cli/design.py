@@ -50,10 +50,11 @@ def design(
     tuple[float, ...], lengths_m: tuple[float, ...], other: tuple[str, ...], speed_m_s: float,
     tested_only: bool, out: Path | None,
 ) -> None:  # fmt: skip
-    """Speed and radius of other designs of STUDY's robot, and the tightest turn among them.
+    """Compute speed and turn radius of designs of STUDY's robot, and print the tightest turn.
 
-    Writes designs.csv and designs.png. Designs that no other design surpasses in both speed and
-    radius form the Pareto front.
+    A design is a combination of motor power, head angle and head length. The command writes
+    designs.csv and designs.png, which also mark the Pareto front. It consists of the designs that
+    no other design surpasses in both speed and radius.
     """
     from ..data import write_columns  # noqa: PLC0415
     from ..design_space import (  # noqa: PLC0415

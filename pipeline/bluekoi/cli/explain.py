@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     "sets",
     multiple=True,
     metavar="NAMES",
-    help="A set of causes, separated by commas, to fit in addition (may be repeated).",
+    help="Also fit the model with this set of causes, separated by commas (may be repeated).",
 )
 @click.option("--quiet", is_flag=True, help="Do not show progress.")
 def explain(
@@ -56,8 +56,8 @@ def explain(
 ) -> None:  # fmt: skip
     """Find what must be added to the model in MODEL.py to describe the recordings in DATA.
 
-    MODEL.py defines a dynamic model and candidate causes, DATA is a folder of csv files with a
-    data.yaml (page "A model and recordings of your own" of the documentation).
+    MODEL.py defines a dynamic model and candidate causes. DATA is a folder of csv files with a
+    data.yaml. The page "A model and recordings of your own" of the documentation describes both.
 
     MODEL.py is run as a program: use only files that you would run yourself. Writes
     explanation.json, explanation.md and report.html.

@@ -44,8 +44,9 @@ NETCDF_INDIVIDUAL_NAME = "robot"
 def export(study: Path, results: Path | None, out: Path | None, trials: tuple[str, ...]) -> None:
     """Write tracks of STUDY as netCDF for the Python package `movement` (0.17 or newer).
 
-    Each trial has one file OUT/ID.nc with the smoothed keypoints in pool coordinates, in metres.
-    The coefficients are written as OUT/coefficients.csv. Without --out, OUT is RESULTS/export.
+    For each trial ID, the file OUT/ID.nc contains the smoothed keypoints in pool coordinates, in
+    metres. The model coefficients are written as OUT/coefficients.csv. Without --out, OUT is the
+    folder `export` in the results folder.
     """
     from ..campaign import load_campaign  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415

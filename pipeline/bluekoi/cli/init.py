@@ -27,11 +27,12 @@ HEAD_LENGTH_HELP = "1x head, nose to hinge, m; filled in for every trial."
 def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | None) -> None:
     """Write study.yaml and trials.csv for VIDEOS: videos, keypoint files, or a folder with them.
 
-    The files are written into the folder given with --study. Without --study, this is the folder of
-    VIDEOS, or the current folder if no VIDEOS are given. Motor logs in the folder are matched to
-    the recordings by name. Power and head angle are read from names such as p50_phi-20.mp4. Keys
-    that the files do not determine are left empty, with a comment on their meaning and unit;
-    `bluekoi check` lists them. No file is overwritten.
+    Both files are written into the folder given with --study. Without --study, they are written
+    into the folder of VIDEOS, or into the current folder if no VIDEOS are given. Motor logs in the
+    folder are matched to the recordings by name. Motor power and head angle are read from file
+    names such as p50_phi-20.mp4. Keys whose values cannot be found out from the files are left
+    empty, with a comment on their meaning and unit; `bluekoi check` lists these keys. No existing
+    file is overwritten.
     """
     from ..errors import input_error  # noqa: PLC0415
     from ..files import write_text  # noqa: PLC0415

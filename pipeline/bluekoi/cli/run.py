@@ -112,7 +112,7 @@ def run(
 ) -> None:
     """Analyse STUDY: a folder, or `demo` (the default). Results that are up to date are kept.
 
-    Write further options for Snakemake after `--`.
+    The analysis runs as a Snakemake workflow. Write options for Snakemake itself after `--`.
     """
     if further and not further[0].startswith("-"):
         raise click.UsageError(

@@ -29,8 +29,9 @@ def bluekoi_run_arguments(study: Path, results: Path) -> list[str]:
 def setup(study: Path, results: Path | None, port: int, browser: bool) -> None:
     """Fill in the files of STUDY in the browser, starting from a folder of videos.
 
-    The page is served on this machine alone, at an address with a random token, until Ctrl-C.
-    No file is written before you click Save on the page.
+    STUDY is a folder with videos, or an existing study; without it, the current folder. Only
+    programs on this machine can reach the page, at an address with a random token. Ctrl-C ends the
+    command. No file is written before you click Save on the page.
     """
     from ..errors import input_error  # noqa: PLC0415
     from ..preparation.draft import read_draft  # noqa: PLC0415

@@ -40,7 +40,8 @@ PICTURE_SUFFIXES = (".png", ".pdf", ".svg")
 @click.option("--manoeuvre", type=click.Choice(MANOEUVRE_NAMES),
               help="Standard manoeuvre, with the frequency, head angle and duration "
               "of the other options.")  # fmt: skip
-@click.option("--head-length-m", type=FiniteNumber(0, 10, min_open=True), help="Default: 1x.")
+@click.option("--head-length-m", type=FiniteNumber(0, 10, min_open=True),
+              help="Default: the 1x (standard) head.")  # fmt: skip
 @click.option("--seconds", type=FiniteNumber(0.1, 600),
               help="Default: 10, or to the end of the schedule if that is later.")  # fmt: skip
 @click.option("--results", type=click.Path(path_type=Path),
@@ -48,8 +49,9 @@ PICTURE_SUFFIXES = (".png", ".pdf", ".svg")
               "for 100 % motor power.")  # fmt: skip
 @click.option("--model", type=click.Choice(["joint", "extended"]),
               help="Default: extended by the causes found, where there are any.")  # fmt: skip
-@click.option("--out", type=click.Path(path_type=Path), help="csv to write the path to.")
-@click.option("--picture", type=click.Path(path_type=Path), help="png, pdf or svg to draw it to.")
+@click.option("--out", type=click.Path(path_type=Path), help="csv file for the simulated path.")
+@click.option("--picture", type=click.Path(path_type=Path),
+              help="png, pdf or svg file for a drawing of the path.")  # fmt: skip
 def simulate(
     *, study: Path, flap_hz: float | None, power_pct: float | None, head_angle_deg: float | None,
     schedule: Path | None, manoeuvre: str | None, head_length_m: float | None, seconds: float |

@@ -55,9 +55,9 @@ ask for files.
 def watch(study: Path, results: Path | None, cores: str, every_s: float) -> None:
     """Analyse STUDY again whenever a file or a row in it changes, until Ctrl-C.
 
-    RESULTS/watch.html shows the report and reloads it after each analysis. A file that is still
-    being copied is read when its size no longer changes. After an error in the study is reported,
-    the next change is awaited.
+    The page watch.html in the results folder shows the report, and reloads it after each analysis.
+    A file that is still being copied is read when its size no longer changes. If there is an error
+    in the study, the command reports it and waits for the next change.
     """
     from ..errors import input_error  # noqa: PLC0415
     from ..files import write_text  # noqa: PLC0415
